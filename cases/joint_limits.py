@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from plumbline.harness.case import Axis, Case, Check, Parameters
+from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.case.bounds import G, stays_finite
 from plumbline.harness.metrics import errors, jitter, joints
 from plumbline.harness.scene import WORLD, Body, Effect, Limits, Revolute, Scene, box_inertia
@@ -94,7 +94,6 @@ CASE = Case(
     expected=_expected,
     duration=DURATION,
     parameters=P(),
-    hard=Axis(parameter="amplitude", unit="deg", easy=30.0, extreme=179.0, lost=0.1),
     sample_interval=1 / 240,
     headline=joints.limit_overshoot_max.name,
     checks=(

@@ -103,6 +103,16 @@ def first_night(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="session", autouse=True)
+def _nothing_published(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """No test hangs on figures that ship with the package, but those that are about them."""
+    from plumbline.harness.store import published
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(published, "FOLDER", tmp_path_factory.getbasetemp() / "nothing_published")
+        yield
+
+
+@pytest.fixture(scope="session", autouse=True)
 def _pictures_drawn_once() -> Iterator[None]:
     """Equal specifications of charts are drawn once in a process: most tests of a report build one that was built before."""
     import vl_convert

@@ -7,12 +7,14 @@ from plumbline.engine.islands.islands import connect, number_islands, start_isla
 from plumbline.engine.maths.rows import Floats, Ints, load3, load9, store3
 from plumbline.engine.maths.vec import axpy, sub
 from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.tables import Contacts
 from plumbline.engine.narrow.convex import part_cores
 from plumbline.engine.narrow.gjk import simplex_of
 from plumbline.engine.narrow.support import core_radius, solids_of
 from plumbline.engine.narrow.triangle_triangle import triangle_triangle
+from plumbline.engine.steps.stages import near_blows
 
-__all__ = ["connected_components", "measure_convex", "measure_triangles"]
+__all__ = ["connected_components", "list_near_blows", "measure_convex", "measure_triangles"]
 
 
 @entry
@@ -59,3 +61,12 @@ def connected_components(links: Ints, kind: Ints, island: Ints) -> int:
     for k in range(links.shape[0]):
         connect(island, kind, links[k, 0], links[k, 1])
     return number_islands(island, kind, kind.shape[0])
+
+
+@entry
+def list_near_blows(kind: Ints, manifold: Floats, key: Ints, order: Ints, room: Ints, step: int) -> int:
+    """`near_blows` of contacts in this order. Returns: how many there are, the first rows of `room`."""
+    near = near_blows(kind, Contacts(manifold, manifold, key, key, order), room, step)
+    for rank in range(len(near.order)):
+        room[rank, 0] = near.order[rank, 0]
+    return len(near.order)

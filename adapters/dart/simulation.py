@@ -221,7 +221,7 @@ class DartSimulation(Simulation):
                 notices.append(Notice(text))
         if self._crowded:
             text = f"contacts reached {MOST_CONTACTS}, which the pairs then share; dartpy cannot raise the bound"
-            notices.append(Notice(text))
+            notices.append(Notice(text, "capacity"))
         return tuple(notices)
 
     def save(self) -> object:

@@ -122,6 +122,7 @@ def build_manifolds(
         if new.key[m, at.SLIPS] == UNKNOWN:
             if not go_on(shape, shape_kind, new, m, old):
                 fresh += 1
+                new.key[m, at.BEGUN] = count[0, at.STEPS]
                 start_slip(state, new, m)
             prepare(bodies, shapes, new, m)
     count[0, at.MANIFOLDS], count[0, at.NEW] = row, fresh

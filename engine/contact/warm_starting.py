@@ -104,7 +104,7 @@ def carry_over(new: Contacts, row: int, old: OldContacts, m: int, near: float) -
 
     What is taken over leaves the old manifold without points, here and in the other functions.
     """
-    new.key[row, at.SLIPS] = old.key[m, at.SLIPS]
+    new.key[row, at.SLIPS], new.key[row, at.BEGUN] = old.key[m, at.SLIPS], old.key[m, at.BEGUN]
     store3(new.manifold, row, at.SPIN_IMPULSE, load3(old.manifold, m, at.SPIN_IMPULSE))
     for i in range(4 * row, 4 * row + new.key[row, at.POINTS]):
         twin = matching_point(new, i, old, m, near)

@@ -109,9 +109,18 @@ def begin_islands(floats: Floats, ints: Ints, keeping: bool) -> int:
 def next_meeting(ints: Ints, stage: int) -> int:
     """The stage before which all islands must have told each other what they met with since `stage`.
 
-    They do so before a sub-step is solved, and where surfaces bounce before it ends too.
+    They do so before a sub-step is solved where there are joints, whose sweeps a blow anywhere multiplies; before it ends where
+    surfaces bounce; and kinematic bodies are carried on before each is solved. Elsewhere no island asks for another.
     """
-    return stage + 1 if stage % 2 == 0 or ints_of(ints, at.TALLY)[0, at.ELASTIC] == 1 else stage + 2
+    count, tally, kind = ints_of(ints, at.COUNT), ints_of(ints, at.TALLY), ints_of(ints, at.BODY_KIND)
+    if tally[0, at.ELASTIC] == 1:
+        return stage + 1
+    carried = count[0, at.JOINTS] > 0
+    for b in range(count[0, at.BODIES]):
+        carried |= kind[b, at.TOUCHED] == 1 and kind[b, at.MOTION] == at.KINEMATIC
+    if not carried:
+        return int(2 * count[0, at.SUBSTEPS] + 1)
+    return stage + 1 if stage % 2 == 0 else stage + 2
 
 
 @kernel

@@ -42,7 +42,7 @@ def step_by_islands(
 ) -> tuple[int, int]:
     """Advance a world by `steps` steps.
 
-    A blow anywhere gives all islands more sweeps, so they meet in every sub-step, and twice where surfaces bounce.
+    They meet where one has something to tell the others: see `next_meeting`.
 
     Args: begin: finds the contacts of a step and groups the bodies, as `begin_islands`; run: `in_turn` or `on_threads`;
         holding: holds joints, as `hold`.

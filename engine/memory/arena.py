@@ -65,6 +65,7 @@ BODY_KIND: Final = int_columns(Per.BODY, 4)
 MOTION: Final = 0  # 0 static, 1 kinematic, 2 dynamic
 TOUCHED: Final = 1  # 1 where contacts or joints act in this step
 STILL: Final = 2  # 1 where the body has hardly moved since its contacts were made
+RING: Final = 3  # of a dynamic body: how many contacts it is away from the next blow, as far as is asked
 STATIC, KINEMATIC, DYNAMIC = range(3)
 
 BODY_ORDER: Final = int_columns(Per.BODY, 1)  # the touched bodies, ascending, or island by island
@@ -190,10 +191,12 @@ RIM_AXIS_B: Final = 58
 STOP_TURN: Final = 52  # 1 / m2: of a moment to the friction at a metre from the centre
 
 MANIFOLD_ORDER: Final = int_columns(Per.PAIR, 1)  # manifolds as they were found, or island by island
-MANIFOLD_KEY: Final = int_columns(Per.PAIR, 8)
+MANIFOLD_KEY: Final = int_columns(Per.PAIR, 9)
 SHAPE_A, SHAPE_B, BODY_A, BODY_B, POINTS, SLIPS = range(6)
 LEADS: Final = 6  # 0 if the points move with A, 1 if with B
 STRIKES: Final = 7  # 1 if a point strikes in this sub-step
+BEGUN: Final = 8  # the step whose search found it first
+HURRIED: Final = int_columns(Per.PAIR, 1)  # as MANIFOLD_ORDER: those near a blow or a new contact, in this sub-step
 
 POINT: Final = float_columns(Per.POINT, 36)
 ARM_A: Final = 0  # 3, in W, from the centre of mass of A
@@ -220,7 +223,7 @@ PUSH: Final = 35  # pseudo-impulse of the split position correction
 POINT_KEY: Final = int_columns(Per.POINT, 2)
 OLD_MANIFOLD: Final = float_columns(Per.PAIR, 61)
 OLD_POINT: Final = float_columns(Per.OLD_POINT, 36)
-OLD_KEY: Final = int_columns(Per.PAIR, 8)
+OLD_KEY: Final = int_columns(Per.PAIR, 9)
 OLD_POINT_KEY: Final = int_columns(Per.OLD_POINT, 2)
 CLIP: Final = float_columns(Per.CLIP_POINT, 8)  # scratch of the clipping
 CLIP_KEY: Final = int_columns(Per.CLIP_POINT, 2)
@@ -307,7 +310,7 @@ CALM: Final = float_columns(Per.SLEEPER, 1)  # for how long [s] a body has been 
 REMEMBERED: Final = float_columns(Per.SLEEPER, 19)  # state and load of asleep and fixed bodies
 RESTING_MANIFOLD: Final = float_columns(Per.RESTING_PAIR, 61)  # contacts of asleep islands
 RESTING_POINT: Final = float_columns(Per.RESTING_POINT, 36)
-RESTING_KEY: Final = int_columns(Per.RESTING_PAIR, 8)
+RESTING_KEY: Final = int_columns(Per.RESTING_PAIR, 9)
 RESTING_POINT_KEY: Final = int_columns(Per.RESTING_POINT, 2)
 
 SLEEP: Final = float_columns(Per.WORLD, 2)

@@ -12,10 +12,10 @@ from plumbline.engine.memory.carve import floats_of, ints_of
 from plumbline.engine.memory.status import DIVERGED, DONE
 from plumbline.engine.memory.tables import bodies_of, joints_of, present_contacts, rows_of
 from plumbline.engine.respond.manifold_sweeps import as_found
-from plumbline.engine.respond.softness import softness_of
+from plumbline.engine.respond.softness import FRESH, FRESH_JOINTED, softness_of
 from plumbline.engine.respond.substep import end_step
 from plumbline.engine.steps.count_step import count_step
-from plumbline.engine.steps.stages import Group, begin_world, meet, patience, release_world, solve_world
+from plumbline.engine.steps.stages import Effort, Group, begin_world, meet, near_blows, release_world, solve_world
 
 
 @template
@@ -42,13 +42,17 @@ def advance_contacts(
             return step, status
         advance_untouched(bodies, setting, count, ints_of(ints, at.BODY_ORDER))
         n, jointed = count[0, at.MANIFOLDS], count[0, at.JOINTS] > 0
-        group = Group(bodies, touched_of(ints), present_contacts(floats, ints), joints, rows, sums)
+        group = Group(bodies, touched_of(ints), present_contacts(floats, ints), joints, rows, sums, ints_of(ints, at.HURRIED))
         if n > 0:
             mark(floats, ints)
         for substep in range(count[0, at.SUBSTEPS] if n > 0 or jointed else 0):
             strikes, held = begin_world(group, setting, held, soft, holding)
-            times = patience(jointed, substep == 0 and count[0, at.NEW] > 0, strikes > 0) if n > 0 else 0
-            struck = solve_world(floats, ints, group, held, soft, times, visit, holding)
+            near, times = group.contacts, 0 if n == 0 else 1
+            if n > 0 and (strikes > 0 or (substep == 0 and count[0, at.NEW] > 0)):
+                times = FRESH_JOINTED if jointed else FRESH
+                if not jointed:
+                    near = near_blows(bodies.kind, near, group.hurried, count[0, at.STEPS] if substep == 0 else -1)
+            struck = solve_world(floats, ints, group, held, soft, Effort(near, times), visit, holding)
             release_world(floats, ints, group, held, soft, struck, visit, holding)
         end_step(group.contacts)
         if count_step(bodies.state, count) == DIVERGED:

@@ -20,11 +20,10 @@ from plumbline.engine.maths.rows import Floats, Ints
 from plumbline.engine.memory import arena as at
 from plumbline.engine.memory.carve import ints_of
 from plumbline.engine.memory.status import DONE
-from plumbline.engine.memory.tables import Bodies, Contacts, Joints, Rows
+from plumbline.engine.memory.tables import Bodies, Contacts, Joints, Rows, some_contacts
 from plumbline.engine.respond.share_loads import share_loads
 from plumbline.engine.respond.softness import (
     FRESH,
-    FRESH_JOINTED,
     PRESS,
     PUSH,
     REBOUND,
@@ -35,11 +34,14 @@ from plumbline.engine.respond.softness import (
 )
 from plumbline.engine.respond.substep import approach, bounce, end_substep, friction_mode
 
+RINGS = 1
+"""How many contacts away from a struck body more sweeps go."""
+
 
 class Group(NamedTuple):
     """What is solved together: which bodies (k, 1), which contacts and joints, and the rows of these.
 
-    Terms: sums: room for `share_loads`.
+    Terms: sums: room for `share_loads`; hurried: for the order of what `near_blows` finds.
     """
 
     bodies: Bodies
@@ -48,6 +50,14 @@ class Group(NamedTuple):
     joints: Joints
     rows: Rows
     sums: Floats
+    hurried: Ints
+
+
+class Effort(NamedTuple):
+    """Which contacts are swept `times` times as often as set, the others once. Terms: times: 0 where none is swept."""
+
+    near: Contacts
+    times: int
 
 
 @kernel
@@ -57,11 +67,45 @@ def meet(floats: Floats, ints: Ints) -> int:
 
 
 @kernel
-def patience(jointed: bool, fresh: bool, strikes: bool) -> int:
-    """Times as many sweeps: after a blow, and in the first sub-step with a new contact."""
-    if not strikes and not fresh:
-        return 1
-    return FRESH_JOINTED if jointed else FRESH
+def near_blows(kind: Ints, contacts: Contacts, room: Ints, step: int) -> Contacts:
+    """The contacts near one that strikes or is new, which get more sweeps: the others' impulses carry their load.
+
+    Near is what moves a body that is at most `RINGS` contacts away from a body of such a one; what does not move passes
+    nothing on. Args: room (k, 1): for their order; step: whose new contacts count, -1 for none.
+    """
+    key, rings, n = contacts.key, at.RING, 0
+    for rank in range(len(contacts.order)):
+        m = contacts.order[rank, 0]
+        n += 1 if key[m, at.STRIKES] == 1 or key[m, at.BEGUN] == step else 0
+    if n == 0 or n == len(contacts.order):
+        return some_contacts(contacts, 0, n)
+    for rank in range(len(contacts.order)):
+        for side in (at.BODY_A, at.BODY_B):
+            b = key[contacts.order[rank, 0], side]
+            if kind[b, at.MOTION] == at.DYNAMIC:
+                kind[b, rings] = RINGS + 1
+    for ring in range(RINGS + 1):
+        for rank in range(len(contacts.order)):
+            m = contacts.order[rank, 0]
+            a, b = key[m, at.BODY_A], key[m, at.BODY_B]
+            a_moves, b_moves = kind[a, at.MOTION] == at.DYNAMIC, kind[b, at.MOTION] == at.DYNAMIC
+            source = key[m, at.STRIKES] == 1 or key[m, at.BEGUN] == step
+            if ring > 0:
+                source = (a_moves and kind[a, rings] == ring - 1) or (b_moves and kind[b, rings] == ring - 1)
+            if source and a_moves:
+                kind[a, rings] = min(kind[a, rings], ring)
+            if source and b_moves:
+                kind[b, rings] = min(kind[b, rings], ring)
+    n = 0
+    for rank in range(len(contacts.order)):
+        m = contacts.order[rank, 0]
+        a, b = key[m, at.BODY_A], key[m, at.BODY_B]
+        if (kind[a, at.MOTION] == at.DYNAMIC and kind[a, rings] <= RINGS) or (
+            kind[b, at.MOTION] == at.DYNAMIC and kind[b, rings] <= RINGS
+        ):
+            room[n, 0] = m
+            n += 1
+    return Contacts(contacts.manifold, contacts.point, contacts.key, contacts.point_key, room[:n])
 
 
 def _begin(group: Group, setting: Floats, held: Held, soft: Softness, holding: Callable[..., Held]) -> tuple[int, Held]:
@@ -77,28 +121,34 @@ def _solve(
     group: Group,
     held: Held,
     soft: Softness,
-    times: int,
+    effort: Effort,
     visit: Callable[..., None],
     holding: Callable[..., Held],
 ) -> bool:
     """Solve with the position error, drift, and relax.
 
-    Args: times: as many sweeps as set; visit: does to all contacts what is to be done to each, as `as_found`.
+    Args: visit: does to contacts what is to be done to each, as `as_found`.
     Returns: whether any is to rebound.
     """
     bodies, contacts, joints, rows, count = group.bodies, group.contacts, group.joints, group.rows, ints_of(ints, at.COUNT)
     share_loads(bodies, contacts, group.sums)
     visit(floats, ints, bodies, contacts, soft, PUSH)
     holding(bodies, joints, rows, held, NEW, soft.h)
-    for _ in range(count[0, at.ITERATIONS] * times):
+    for _ in range(count[0, at.ITERATIONS] if effort.times > 0 else 0):
         visit(floats, ints, bodies, contacts, soft, PRESS)
         holding(bodies, joints, rows, held, KNOWN, soft.h)
+        for _ in range(effort.times - 1):
+            visit(floats, ints, bodies, effort.near, soft, PRESS)
+            holding(bodies, joints, rows, held, KNOWN, soft.h)
     drift_all(bodies, group.touched, count, soft.h)
     visit(floats, ints, bodies, contacts, soft, TURN)
     share_loads(bodies, contacts, group.sums)
-    for _ in range(count[0, at.RELAXATIONS] * times):
+    for _ in range(count[0, at.RELAXATIONS] if effort.times > 0 else 0):
         visit(floats, ints, bodies, contacts, soft, RELAX)
         holding(bodies, joints, rows, held, KNOWN, soft.h)
+        for _ in range(effort.times - 1):
+            visit(floats, ints, bodies, effort.near, soft, RELAX)
+            holding(bodies, joints, rows, held, KNOWN, soft.h)
     return bounce(contacts)
 
 

@@ -12,11 +12,12 @@ class Notice:
 
     Terms:
         text: without its full stop. kind: 'surplus', where an effect is computed that the scene leaves out, and cannot be
-        switched off; 'missing', where one is not that the scene calls for; else 'note'. effect: which one, None for a note.
+        switched off; 'missing', where one is not that the scene calls for; 'capacity', where the engine could not hold all that
+        the scene has, so that what it answers is about less; else 'note'. effect: which one, None for a note or a capacity.
     """
 
     text: str
-    kind: Literal["note", "surplus", "missing"] = "note"
+    kind: Literal["note", "surplus", "missing", "capacity"] = "note"
     effect: Effect | None = None
 
     def __str__(self) -> str:

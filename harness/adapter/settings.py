@@ -4,11 +4,11 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, fields, replace
 from typing import Any
 
-from plumbline.harness.intake.mendable import Mendable
+from plumbline.harness.intake.error import PlumblineError
 from plumbline.harness.trajectory.pace import PACES
 
 
-class SettingsError(Mendable, ValueError):
+class SettingsError(PlumblineError, ValueError):
     """A setting that the adapter does not know, or a value outside its range; names field, value and expectation."""
 
 

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+from plumbline.api.present import present
 from plumbline.harness.cli.guard import GATE, fail_for, say, stop
-from plumbline.harness.cli.publish import publish
 
 if TYPE_CHECKING:
     from plumbline.harness.run.cluster.workplace import Workplace
@@ -43,6 +43,6 @@ def merge(folders: tuple[Path, ...], out: Path) -> None:
     store, notes = merge_folders(folders, out)
     for note in notes:
         say(note, err=True)
-    report = publish(store, bool(store.study.get("recordings", True)))
+    report = present(store, bool(store.study.get("recordings", True)))
     say(str(report.index))
     fail_for(report.sentences())

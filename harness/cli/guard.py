@@ -7,7 +7,7 @@ from typing import Any, NoReturn
 
 import click
 
-from plumbline.harness.intake.mendable import Mendable
+from plumbline.harness.intake.error import PlumblineError
 from plumbline.harness.intake.safe_text import one_line, readable
 from plumbline.harness.run.interrupt import listen
 
@@ -70,5 +70,5 @@ class Guarded(click.Group):
             stop(MACHINE, f"{error.filename or 'machine'}: {error.strerror or error}")
         except MemoryError:
             stop(MACHINE, "no memory is left for this process; free some, and go on with --resume")
-        except Mendable as error:
+        except PlumblineError as error:
             stop(_CODES[error.lies_in], str(error))

@@ -49,13 +49,6 @@ def _prune(older: float, dry_run: bool) -> None:
     say(f"{len(old)} environments: {sum(each.bytes for each in old) / 2**20:.1f} MB {freed}")
 
 
-def left_out(*kinds: str) -> list[str]:
-    """Third parties' plug-ins of these kinds that cannot be loaded, in words."""
-    from plumbline.harness.study import plugins
-
-    return [f"{kind[:-1]} '{name}' is left out: {reason}" for kind in kinds for name, reason in plugins.left_out(kind).items()]
-
-
 @click.command()
 @json_rows
 def cases(as_json: bool) -> None:
@@ -64,7 +57,7 @@ def cases(as_json: bool) -> None:
     from plumbline.harness.study.catalogue import describe_case
 
     catalogue = plugins.cases().values()
-    for sentence in left_out("cases"):
+    for sentence in plugins.left_out_in_words("cases"):
         say(sentence, err=True)
     if as_json:
         print_json([describe_case(case) for case in catalogue])
@@ -86,7 +79,7 @@ def check(engine: str, tracks: tuple[str, ...], verbose: bool, as_json: bool, ag
     """Put one adapter, built in or third-party, through the conformance kit; also ENGINE==VERSION or ENGINE=FILE.whl."""
     from dataclasses import asdict
 
-    from plumbline.harness.cli.chosen_engines import chosen_engines
+    from plumbline.api.engines import chosen_engines
     from plumbline.harness.conformance import gate, run_conformance
     from plumbline.harness.conformance.apart import outcomes_in
     from plumbline.harness.study import plugins

@@ -11,6 +11,7 @@ from plumbline.harness.cli.history_group import history
 from plumbline.harness.cli.installed import cases, check, engines
 from plumbline.harness.cli.nightly_command import nightly
 from plumbline.harness.cli.parity_command import parity
+from plumbline.harness.cli.publish_command import publish
 from plumbline.harness.cli.run_folder import report, reproduce, serve, show, verify, view
 from plumbline.harness.cli.run_study import run
 from plumbline.harness.cli.scene_commands import scene
@@ -44,6 +45,7 @@ for command in (
     history,
     scene,
     parity,
+    publish,
     warm,
 ):
     main.add_command(command)

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from plumbline.harness.cli.chosen_engines import chosen_engines
+from plumbline.api.engines import chosen_engines
 from plumbline.harness.cli.guard import GATE, INTERRUPTED, USAGE, say, stop
 from plumbline.harness.cli.options import agreed
 from plumbline.harness.cli.seconds import Seconds
@@ -106,18 +106,15 @@ def _drill(engines: Sequence[str]) -> None:
 def _asked(
     *, study: str, engines: Sequence[str], globs: tuple[str, ...], gated: tuple[str, ...], keep: Any, agreed: bool, **rest: Any
 ) -> "Asked":
-    from plumbline.harness.cli.run_study import study_and_cases
+    from plumbline.api.studies import study_and_cases
     from plumbline.harness.history.night import Asked
     from plumbline.harness.study.catalogue import describe_engine
     from plumbline.harness.study.experiment import StudyError
-    from plumbline.harness.study.roll_call import twice
 
     try:
         plan, cases = study_and_cases(study, globs)
     except StudyError as error:
         stop(USAGE, str(error))
-    if double := twice(engines):
-        raise click.BadParameter(f"{quoted(double)} is given twice, expected once", param_hint="--engine")
     adapters = chosen_engines(engines, agreed)
     for engine in gated:
         if engine not in adapters:
@@ -163,7 +160,7 @@ def _night(
             if reported and done.budget.seconds - done.budget.taken() < done.budget.closing / 2:
                 say(f"no time was left for the pages; plumbline report {night.folder} makes them", err=True)
             elif reported:
-                not_made = _publish(done, news)
+                not_made = _present(done, news)
             about = shelf()
             rows = asked_again(about, asked.adapters, lambda: done.budget.seconds - done.budget.taken())
             changed = turned(about, rows, [earlier.plan for earlier in history.whole_nights() if earlier != night])
@@ -219,7 +216,7 @@ def _logged(path: Path) -> Iterator[None]:
         yield
 
 
-def _publish(done: "Done", news: "News | None") -> list[str]:
+def _present(done: "Done", news: "News | None") -> list[str]:
     """Recordings of what is kept, and the report. Returns: a line for each page that could not be made."""
     from plumbline.reports import build, write_recordings
 

@@ -8,22 +8,19 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import click
 
-from plumbline.harness.cli.chosen_engines import chosen_engines
+from plumbline.api.engines import chosen_engines
+from plumbline.api.present import present
 from plumbline.harness.cli.cluster_commands import at_work
 from plumbline.harness.cli.gate import failures
 from plumbline.harness.cli.guard import GATE, INTERRUPTED, USAGE, fail_for, say, stop
-from plumbline.harness.cli.installed import left_out
 from plumbline.harness.cli.options import agreed, limited
-from plumbline.harness.cli.own_import import refuse_two_frictions, scene_to_run
+from plumbline.harness.cli.own_import import scene_to_run
 from plumbline.harness.cli.own_scene import closing_count, closing_words
-from plumbline.harness.cli.publish import publish
 from plumbline.harness.cli.robot_options import NAMES, is_robot, is_scene, robot_options, run_options
 from plumbline.harness.cli.support import support_lines
 from plumbline.harness.intake.safe_text import quoted
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from plumbline.harness.case import Case
     from plumbline.harness.store.store import Store
     from plumbline.harness.study.study import Study
@@ -37,15 +34,8 @@ def _parse_shard(_context: click.Context, _parameter: click.Parameter, text: str
     return index, count
 
 
-def _once(name: str, given: "Sequence[str]") -> None:
-    """Refuse an option's value that is given twice."""
-    from plumbline.harness.study.roll_call import twice
-
-    if double := twice(given):
-        raise click.BadParameter(f"{quoted(double)} is given twice, expected once", param_hint=name)
-
-
 def _study_and_cases(name: str, own: bool, globs: tuple[str, ...], budget: float | None) -> "tuple[Study, dict[str, Case]]":
+    from plumbline.api.studies import study_and_cases
     from plumbline.harness.study import plugins
     from plumbline.harness.study.own_scene import study_of
 
@@ -55,33 +45,6 @@ def _study_and_cases(name: str, own: bool, globs: tuple[str, ...], budget: float
             raise click.BadParameter(f"{quoted(globs[0])}: a scene file is one case, expected none", param_hint="--case")
         return study_of(case, budget), {case.name: case}
     return study_and_cases(name, globs)
-
-
-def study_and_cases(name: str, globs: tuple[str, ...]) -> "tuple[Study, dict[str, Case]]":
-    """A study by its name or file, and those of the cases it asks about that a pattern names. Raises: StudyError."""
-    from fnmatch import fnmatchcase
-
-    from plumbline.harness.study import plugins
-    from plumbline.harness.study.roll_call import call_roll
-    from plumbline.harness.study.study import load_study
-
-    study = load_study(name)
-    _once("--case", globs)
-    for sentence in left_out("cases", "pages"):
-        say(sentence, err=True)
-    names = plugins.names("cases")
-    call_roll(study, names, plugins.names("adapters"))
-    for glob in globs:
-        if not any(fnmatchcase(case, glob) for case in names):
-            raise click.BadParameter(
-                f"{quoted(glob)} names no case, expected a pattern over: {', '.join(names)}", param_hint="--case"
-            )
-
-    def asked(case: str) -> bool:
-        called = any(experiment.asks(case) for experiment in study.experiments)
-        return called and (not globs or any(fnmatchcase(case, glob) for glob in globs))
-
-    return study, plugins.cases(asked)
 
 
 def _of_file(study: str, error: Exception) -> str:
@@ -154,7 +117,6 @@ def run(
         study = scene_to_run(study, out or Path("build") / "scene", robot)
     elif any(robot.values()) or budget is not None:
         raise click.BadParameter(f"for scene and robot files alone; {quoted(study)} is none", param_hint=NAMES)
-    _once("--engine", engine_names)
 
     from plumbline.harness.run.campaign import carry_out
     from plumbline.harness.study.experiment import StudyError
@@ -165,6 +127,8 @@ def run(
         stop(USAGE, _of_file(study, error))
     adapters = chosen_engines(engine_names, agreed)
     if own:
+        from plumbline.api.sources import refuse_two_frictions
+
         case = next(iter(chosen.values()))
         refuse_two_frictions(study, case.scene(case.parameters), adapters)
     folder = out or Path("build") / plan.name
@@ -178,7 +142,7 @@ def run(
         stop(USAGE, _of_file(study, error))
     except KeyboardInterrupt:
         stop(INTERRUPTED, f"interrupted; what finished is in {folder}; go on with the same command and --resume")
-    report = publish(store, plan.recordings)
+    report = present(store, plan.recordings)
     say(closing_count(store), err=True)
     say(str(report.index))
     # On a robot of the user's own nobody is gated: an engine that fails it, ours too, is a finding.

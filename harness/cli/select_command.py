@@ -7,7 +7,7 @@ import click
 
 from plumbline.harness.cli.guard import say
 from plumbline.harness.cli.listing import print_json, print_table
-from plumbline.harness.cli.options import opened, run_folder
+from plumbline.harness.cli.options import opened
 from plumbline.harness.findings.columns import headings
 
 if TYPE_CHECKING:
@@ -37,7 +37,8 @@ def _weights(_context: click.Context, _parameter: click.Parameter, given: tuple[
 
 
 @click.command()
-@run_folder
+@click.argument("folder", metavar="[DIR]", required=False, type=click.Path(path_type=Path))
+@click.option("--published", is_flag=True, help="By the dataset that ships with Plumbline, in place of DIR.")
 @click.option("--need", multiple=True, callback=_listed, metavar="NAME,...", help="Families or patterns of cases that count.")
 @click.option("--feature", multiple=True, callback=_listed, metavar="NAME,...", help="What an engine has to be able to do.")
 @click.option("--max-error", type=click.FloatRange(0, 1, min_open=True), help="A share of each case's scale, to be reached.")
@@ -50,7 +51,8 @@ def _weights(_context: click.Context, _parameter: click.Parameter, given: tuple[
 @click.option("--evidence", is_flag=True, help="What the answer leans on, run by run, in place of the answer.")
 @click.option("--json", "as_json", is_flag=True, help="One JSON array of flat rows.")
 def select(
-    folder: Path,
+    folder: Path | None,
+    published: bool,
     need: tuple[str, ...],
     feature: tuple[str, ...],
     max_error: float | None,
@@ -67,7 +69,7 @@ def select(
     from plumbline.harness.findings.selection import Wish, choose, read_preset
     from plumbline.harness.findings.selection.preset import merged
 
-    store = opened(folder)
+    store = _store(folder, published)
     base = read_preset(preset).wish() if preset else Wish()
     wish = merged(
         base,
@@ -88,6 +90,21 @@ def select(
         print_json(_rows(answer))
     else:
         _print(store, answer, preset)
+
+
+def _store(folder: Path | None, is_published: bool) -> "Store":
+    if (folder is None) != is_published:
+        raise click.UsageError("expected DIR or --published, one of them")
+    if folder is not None:
+        return opened(folder)
+
+    from plumbline.api.published import published_in_words
+    from plumbline.harness.store.published import published
+
+    store = published()
+    for sentence in published_in_words(store):
+        say(sentence, err=True)
+    return store
 
 
 def _print_evidence(answer: "Answer", as_json: bool) -> None:

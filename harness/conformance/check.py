@@ -39,6 +39,12 @@ class ConformanceCheck:
     needs: Feature = Feature.NONE
     excusable: bool = True
 
+    @property
+    def subject(self) -> tuple[str, str]:
+        """The folder and the file of `checks` that it stands in: ('contact', 'friction')."""
+        folder, file = getattr(self.run, "func", self.run).__module__.split(".")[-2:]
+        return folder, file
+
 
 CHECKS: list[ConformanceCheck] = []
 """Every check that is defined so far, in the order of definition; `harness.conformance.CHECKS` are all of them."""

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from plumbline.harness.findings.cost_point import Point
-from plumbline.harness.findings.limits_found import Hold, Search
+from plumbline.harness.findings.limits_found import CONSTANT, Hold, Search
 from plumbline.harness.findings.prices import Price
 
 BUDGETS = (1e-4, 1e-3)
@@ -78,7 +78,7 @@ def reaches(searches: Iterable[Search]) -> list[Reach]:
     """Every axis under every condition, engine by engine; axes that were not searched at equal sub-steps have times alone."""
     axes: dict[tuple[str, str, str], list[Search]] = {}
     for search in searches:
-        if not search.remedied and search.verdict not in ("unsupported", "unavailable"):
+        if not search.remedied and search.verdict not in ("unsupported", "unavailable", CONSTANT):
             axes.setdefault(search.searched_along, []).append(search)
     reached: list[Reach] = []
     for group in axes.values():

@@ -10,13 +10,17 @@ import pandas as pd
 from plumbline.harness.case import Axis
 from plumbline.harness.findings.once import once
 from plumbline.harness.findings.variant_of import STEP, differing, in_words
+from plumbline.harness.search.along_axis import Point, unchanged
 from plumbline.harness.search.first_break import BROKE, Bracket, Ruler, bracket
 from plumbline.harness.store.notices import StoredNotice
 from plumbline.harness.store.store import Store
 from plumbline.harness.study.axes import axis_among
 from plumbline.harness.study.experiment import Experiment
 from plumbline.harness.study.stored_study import experiments_of
-from plumbline.harness.trial.ensemble import BROKE_BY, HELD, OWN_CHECKS, STARTS
+from plumbline.harness.trial.ensemble import BROKE_BY, HEADLINE, HELD, OWN_CHECKS, STARTS
+
+CONSTANT = "no limit"
+"""The verdict where the headline error is as large at the extreme as at the easy end: its bar is crossed by a constant."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -62,15 +66,16 @@ class Search:
         beside: the parameters, and the time step [s], that the experiment sets to other values than the case's own, each with
         its value. where: the same in words. axis, unit,
         easy, extreme: what was made harder. held, broke: the ends of the bracket; None where it has none on that side. share:
-        of the members that held at `broke`. signs: by what the others broke. verdict: 'limit', 'beyond the extreme', 'not even
-        the easiest', 'stopped' (a run without an answer: `reason`), 'unsupported', 'unavailable'. members: starts of each
+        of the members that held at `broke`. signs: by what the others broke. verdict: 'limit', CONSTANT, 'beyond the extreme',
+        'not even the easiest', 'stopped' (no answer: `reason`), 'unsupported', 'unavailable'. members: starts of each
         value. values: how many were tried. cost: CPU seconds per simulated second at `held`, roughly. reach: where between easy
         (0) and extreme (1) the limit lies, on the axis's own measure. trial_held, trial_broke: those runs. remedy, remedied:
         what was tried to help the trial that broke. dt [s]: the time step that is divided. parts: what it was to be taken in, 0
         where that was left to the track. substep [s]: the finest step that the engine really took, None without an answer.
         step_cost: CPU seconds for one such time step at `held`, roughly. holds: all that held before the first that broke, the
         hardest last. own_holds: do the case's checks hold at `broke` at its own start, so that others broke? None without an
-        answer. noticed: what the engine warned of there: effects that the scene does not call for, or that it lacks.
+        answer. noticed: what the engine warned of there: effects that the scene does not call for, or that it lacks. along: the
+        headline error at each value that was tried, from easy to extreme; empty where no axis is about it.
     """
 
     experiment: str
@@ -104,6 +109,15 @@ class Search:
     holds: tuple[Hold, ...] = ()
     own_holds: bool | None = None
     noticed: tuple[StoredNotice, ...] = ()
+    along: tuple[Point, ...] = ()
+
+    @property
+    def along_in_words(self) -> str:
+        """'0.167 at 1, 0.333 at 1e+06; bar 0.3': the ends; '' where no axis is about an error."""
+        if not self.along:
+            return ""
+        ends = dict.fromkeys((self.along[0], self.along[-1]))
+        return ", ".join(f"{end.error:.3g} at {end.value:.4g}" for end in ends) + f"; bar {self.along[-1].bar:.3g}"
 
     @property
     def setting(self) -> str:
@@ -144,7 +158,7 @@ class _Measured:
     """What the ensembles of a run were found to do, by trial.
 
     Terms: shares, starts, own: series of HELD, STARTS, OWN_CHECKS. signs: by metric, the share that broke by it. notices: what
-    was said.
+    was said. errors: HEADLINE, and its bar.
     """
 
     shares: "pd.Series[float]"
@@ -152,6 +166,7 @@ class _Measured:
     own: "pd.Series[float]"
     signs: Mapping[str, Mapping[str, float]]
     notices: Mapping[str, tuple[StoredNotice, ...]]
+    errors: Mapping[str, tuple[float, float]]
 
 
 def _measured(store: Store) -> _Measured:
@@ -159,7 +174,9 @@ def _measured(store: Store) -> _Measured:
     shares, starts, own = (table[table["metric"] == name].set_index("trial")["value"] for name in (HELD, STARTS, OWN_CHECKS))
     broke = table[table["metric"].str.startswith(BROKE_BY)]
     signs = {str(trial): dict(zip(group["metric"], group["value"], strict=True)) for trial, group in broke.groupby("trial")}
-    return _Measured(shares, starts, own, signs, store.notices)
+    worst = table[table["metric"] == HEADLINE]
+    errors = {str(row.trial): (float(row.value), float(row.at_most)) for row in worst.itertuples()}
+    return _Measured(shares, starts, own, signs, store.notices, errors)
 
 
 @once
@@ -226,7 +243,11 @@ def _search(
     held, broke = (None if value is None else at[value] for value in (interval.held, interval.broke))
     last = max(at.values(), key=lambda row: by.place(row.value))
     reason = last.reason if interval.stopped or (broke is None and held is None) else ""
-    if broke is not None:
+    tried = sorted(at, key=by.place)
+    along = tuple(Point(value, *measured.errors[at[value].trial]) for value in tried if at[value].trial in measured.errors)
+    if broke is not None and unchanged(along, by.axis.easy, by.axis.extreme):
+        verdict = CONSTANT
+    elif broke is not None:
         verdict = "limit" if held is not None else "not even the easiest"
     elif interval.stopped:
         verdict = last.status if last.status in ("unsupported", "unavailable") else "stopped"
@@ -267,6 +288,7 @@ def _search(
         holds=holds,
         own_holds=None if broke is None or broke.trial not in measured.own else bool(measured.own[broke.trial]),
         noticed=() if broke is None else tuple(notice for notice in measured.notices[broke.trial] if notice.kind != "note"),
+        along=along,
     )
 
 

@@ -7,14 +7,14 @@ from contextlib import contextmanager
 from dataclasses import asdict, dataclass, fields
 from functools import cache
 
-from plumbline.harness.intake.mendable import Mendable
+from plumbline.harness.intake.error import PlumblineError
 from plumbline.harness.intake.safe_text import quoted
 
 VARIABLE = "PLUMBLINE_LIMITS"
 """The environment variable that sets limits, like 'bodies=200000,bytes=1e8'; processes that are started inherit it."""
 
 
-class AllowanceError(Mendable, ValueError):
+class AllowanceError(PlumblineError, ValueError):
     """A limit that is none; the message names it, its value and those that there are."""
 
 

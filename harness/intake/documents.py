@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from plumbline.harness.intake.allowance import Allowance, AllowanceError, allowance, beyond
-from plumbline.harness.intake.mendable import Mendable
+from plumbline.harness.intake.error import PlumblineError
 from plumbline.harness.intake.safe_text import quoted, readable
 
 _KINDS = {
@@ -40,7 +40,7 @@ _CHAIN = rf"(?<![A-Za-z0-9_-]){_PART}(?:[ \t]*+\.[ \t]*+{_PART}){{3,}}+"
 """A dotted key of four parts or more: shorter ones may as well be numbers, of which there are many."""
 
 
-class InputError(Mendable, ValueError):
+class InputError(PlumblineError, ValueError):
     """A file that cannot be read, or holds more than is allowed; the message names it, the place and what was expected."""
 
 

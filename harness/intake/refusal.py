@@ -1,10 +1,10 @@
 """The error of a robot file: what stands where, and what was expected."""
 
-from plumbline.harness.intake.mendable import Mendable
+from plumbline.harness.intake.error import PlumblineError
 from plumbline.harness.intake.safe_text import quoted
 
 
-class RobotError(Mendable, ValueError):
+class RobotError(PlumblineError, ValueError):
     """A robot file that is refused; the message names file, line, element, attribute, value and what mends it."""
 
 

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from typing import Any, TypeVar
 
 from pydantic import TypeAdapter, ValidationError
+from pydantic_core import ArgsKwargs
 
 from plumbline.harness.intake.near_miss import did_you_mean
 from plumbline.harness.intake.safe_text import quoted, readable
@@ -37,10 +38,14 @@ def filled(form: TypeAdapter[T], document: Any, source: str) -> T:
     try:
         return form.validate_json(text, strict=True)
     except ValidationError as error:
-        problems = error.errors(include_url=False)
-        if any(problem["type"] == "json_invalid" for problem in problems):
+        if any(problem["type"] == "json_invalid" for problem in error.errors(include_url=False)):
             raise _strange(document, source) from None
-        raise FieldError("\n".join(_lines(form, document, source, problems))) from None
+        raise FieldError(worded(form, document, source, error)) from None
+
+
+def worded(form: TypeAdapter[Any], document: Any, source: str, error: ValidationError) -> str:
+    """What does not fit, a line each: source, element, field, value and expectation."""
+    return "\n".join(_lines(form, document, source, error.errors(include_url=False)))
 
 
 def _lines(form: TypeAdapter[Any], document: Any, source: str, problems: Sequence[Any]) -> Iterator[str]:
@@ -55,8 +60,9 @@ def _lines(form: TypeAdapter[Any], document: Any, source: str, problems: Sequenc
             continue
         message = readable(problem["msg"].removeprefix("Value error, "), 600)
         got = problem["input"]
-        fits = problem["type"] not in ("missing", "value_error") or not isinstance(got, dict)
-        yield f"{source}: {location + ': ' if location else ''}{message}{f', got {quoted(got)}' if fits else ''}"
+        fits = problem["type"] not in ("missing", "value_error") or not isinstance(got, dict | ArgsKwargs)
+        prefix = "" if message.startswith(f"{source}: ") else f"{source}: "
+        yield f"{prefix}{location + ': ' if location else ''}{message}{f', got {quoted(got)}' if fits else ''}"
     if len(problems) > MOST:
         yield f"{source}: and {len(problems) - MOST} more of this kind"
 

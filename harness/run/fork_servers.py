@@ -158,7 +158,7 @@ def _start(process: BaseProcess, server: Any, environment: Environment | None, v
     """Start it off a server, and off a new one where that has died. Raises: ConnectionError, where the new one dies as well."""
     for _ in range(_TRIES):
         try:
-            with _through(server), _surroundings(_environ(environment) | dict(variables)), _interpreter(environment):
+            with _through(server), _surroundings(_environ(environment) | dict(variables)), _prepared(environment):
                 process.start()
             return Server(server._forkserver_pid)
         except (EOFError, ConnectionError):
@@ -192,21 +192,28 @@ def _surroundings(variables: dict[str, str]) -> Iterator[None]:
                 os.environ[name] = value
 
 
+_MAIN = ("init_main_from_name", "init_main_from_path")
+"""Under which Python tells a new process which script runs here, for it to be run again there."""
+
+
 @contextmanager
-def _interpreter(environment: Environment | None) -> Iterator[None]:
-    """Python starts servers on its own interpreter and gives processes its own module path; for once, another's."""
-    if environment is None:
-        yield
-        return
-    resource_tracker.ensure_running()  # the one that serves all is on this interpreter
+def _prepared(environment: Environment | None) -> Iterator[None]:
+    """For once, tell a new process nothing of the script that runs here, and of an environment its interpreter and modules.
+
+    A script without `if __name__ == "__main__"` would start a run in each process of a run; nothing of ours lies in it.
+    """
     library: Any = spawn
     usual = library.get_executable, library.get_preparation_data
-    ordered = dict.fromkeys([*project_folders(), *environment.path, *sys.path])
+    if environment is not None:
+        resource_tracker.ensure_running()  # the one that serves all is on this interpreter
+        ordered = list(dict.fromkeys([*project_folders(), *environment.path, *sys.path]))
+        library.get_executable = lambda: os.fsencode(environment.executable)
 
     def prepared(name: str) -> dict[str, Any]:
-        return {**usual[1](name), "sys_path": list(ordered)}
+        data = {key: value for key, value in usual[1](name).items() if key not in _MAIN}
+        return data if environment is None else data | {"sys_path": ordered}
 
-    library.get_executable, library.get_preparation_data = (lambda: os.fsencode(environment.executable)), prepared
+    library.get_preparation_data = prepared
     try:
         yield
     finally:

@@ -1,5 +1,7 @@
 """A scene: bodies, joints, surfaces and sensors in SI units, as frozen values that validate themselves on construction."""
 
+from dataclasses import is_dataclass
+
 from plumbline.harness.scene.appearance import Appearance, Sun
 from plumbline.harness.scene.body import Body, PlacedShape
 from plumbline.harness.scene.camera import Camera, Distortion
@@ -30,6 +32,7 @@ from plumbline.harness.scene.joint import (
 from plumbline.harness.scene.lidar import Lidar, LidarNoise
 from plumbline.harness.scene.motion import Motion, Samples, Sinusoid, sampled
 from plumbline.harness.scene.prescribed import Prescribed, Shift, Turn
+from plumbline.harness.scene.refusals import refuse_in_words
 from plumbline.harness.scene.rotation import axis_angle, multiply, rotate, rotation_matrix
 from plumbline.harness.scene.scene import EARTH_GRAVITY, Scene, SceneError
 from plumbline.harness.scene.sensor import Sensor
@@ -117,3 +120,5 @@ __all__ = [
     "sphere_inertia",
     "width",
 ]
+
+refuse_in_words(noun for noun in map(globals().get, __all__) if isinstance(noun, type) and is_dataclass(noun))

@@ -1,6 +1,8 @@
 """Scene files: TOML and JSON in and out, and the JSON schema, by pydantic."""
 
+import dataclasses
 import json
+import re
 from pathlib import Path
 from typing import Any
 
@@ -29,6 +31,35 @@ def dump_json(scene: Scene) -> str:
 def dump_toml(scene: Scene) -> str:
     """The scene as TOML text; `parse` reads it back to an equal scene."""
     return tomli_w.dumps(_plain(scene))
+
+
+def to_toml(scene: Scene) -> str:
+    """The scene as a person would write it: values that differ from their defaults alone, a list of numbers in a line.
+
+    `parse` reads it back to an equal scene.
+    """
+    return _NUMBERS.sub(
+        lambda listed: f"[{', '.join(listed[1].split()).replace(',,', ',').rstrip(',')}]",
+        tomli_w.dumps(_brief(scene, _plain(scene))),
+    )
+
+
+_NUMBERS = re.compile(r"\[\n([^\[\]{}\"']*)\]")
+"""A list without lists or texts in it, over several lines."""
+
+
+def _brief(value: Any, plain: Any) -> Any:
+    """What a value is dumped as, without what is as its field has it anyway."""
+    if dataclasses.is_dataclass(value):
+        fields = [
+            f
+            for f in dataclasses.fields(value)
+            if f.name in plain and (f.name == "type" or getattr(value, f.name) != f.default)
+        ]
+        return {f.name: _brief(getattr(value, f.name), plain[f.name]) for f in fields}
+    if isinstance(value, tuple):
+        return [_brief(each, of_it) for each, of_it in zip(value, plain, strict=True)]
+    return plain
 
 
 def schema() -> dict[str, Any]:

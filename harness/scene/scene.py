@@ -8,7 +8,7 @@ import numpy as np
 from pydantic import WithJsonSchema, field_serializer, field_validator
 from pydantic.dataclasses import dataclass
 
-from plumbline.harness.intake.mendable import Mendable
+from plumbline.harness.intake.error import PlumblineError
 from plumbline.harness.scene.appearance import Sun
 from plumbline.harness.scene.body import Body
 from plumbline.harness.scene.effect import Effect
@@ -28,7 +28,7 @@ _TIED = 1e-9
 """What positions of coupled joints may differ by at the start [rad or m, relative above 1]: rounding of a file's digits."""
 
 
-class SceneError(Mendable, ValueError):
+class SceneError(PlumblineError, ValueError):
     """A scene or scene file that breaks a rule; the message names element, field, value and expectation."""
 
 

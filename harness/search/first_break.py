@@ -5,22 +5,27 @@ tried in this order, so that what is found is the first place that breaks and no
 hardest value that held with all members of the ensemble before the first that did not, and that one. A value that an engine
 crashed at is one that broke; where it ran out of time or memory, the search ends without a verdict beyond what had held.
 
+Where the headline error has not doubled from the easy end to the first value that broke, the extreme is tried beside: a bar
+that a constant crosses is no limit (`along_axis`).
+
 Where a case breaks, what is said to help is tried at the value that broke (`harness.search.remedies`), and, where it does help,
 on from there towards the extreme, in fewer values.
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 from plumbline.harness.adapter import Adapter
 from plumbline.harness.case import Axis, Case
+from plumbline.harness.search.along_axis import Point, extreme_untried
 from plumbline.harness.search.remedies import remedied
 from plumbline.harness.store.record import Record
 from plumbline.harness.study.axes import axis_of
 from plumbline.harness.study.experiment import Limit
 from plumbline.harness.study.trial import Trial
+from plumbline.harness.trial.ensemble import HEADLINE
 
 REMEDY_VALUES = 3
 """Values that a remedy which helps is tried at beyond the first, so that its bracket is a quarter of what was left."""
@@ -161,15 +166,25 @@ def _next_of(
     number = max(trial.round for trial in group) + 1
     scan = limit.scan if limit is not None else 2
     value = beyond(known, by) if first.remedied else next_value(known, by, scan)
+    broke = bracket(known, by).broke
+    if value is None and broke is not None and not first.remedied:
+        points = [point for trial in group for point in _points(trial, records, by.axis)]
+        value = by.axis.extreme if extreme_untried(points, by.axis.easy, broke, by.axis.extreme) else None
     if value is not None:
         return [_at(first, value, by.axis, case, number)]
-    broke = bracket(known, by).broke
     if first.remedied or limit is None or first.track not in limit.remedies or broke is None:
         return []
     sick = next(trial for trial in group if value_of(trial, by.axis) == broke)
     if any(trial.remedied == sick.trial for trial in trials):
         return []
     return list(remedied(sick, case, adapter, number, records[sick.trial].idle))
+
+
+def _points(trial: Trial, records: Mapping[str, Record], axis: Axis) -> Iterator[Point]:
+    """The headline error of a trial that has one."""
+    for measurement in records[trial.trial].measurements if trial.trial in records else ():
+        if measurement.metric == HEADLINE and measurement.at_most is not None:
+            yield Point(value_of(trial, axis), measurement.value, measurement.at_most)
 
 
 def _at(trial: Trial, value: float, axis: Axis, case: Case, number: int) -> Trial:

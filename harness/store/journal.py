@@ -14,14 +14,14 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, ClassVar, Generic, Literal, TypeVar
 
-from plumbline.harness.intake.mendable import LiesIn, Mendable
+from plumbline.harness.intake.error import LiesIn, PlumblineError
 from plumbline.harness.store import disk
 from plumbline.harness.store.record import SCHEMA_VERSION, Record, Timing, parts_of_runs
 
 Kind = Literal["accuracy", "timing", "session", "withdrawn", "restored"]
 
 
-class StoreError(Mendable):
+class StoreError(PlumblineError):
     """A run folder that cannot be read or written; the message names the path and what to do."""
 
     lies_in: ClassVar[LiesIn] = "machine"

@@ -1,5 +1,6 @@
 """A notice as a record keeps it: what an engine, its adapter or the harness had to say of a trial."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Literal
 
@@ -9,12 +10,17 @@ class StoredNotice:
     """A notice in plain values. Terms: as of `harness.adapter.Notice`; effect: the name of it, '' for a note."""
 
     text: str
-    kind: Literal["note", "surplus", "missing"] = "note"
+    kind: Literal["note", "surplus", "missing", "capacity"] = "note"
     effect: str = ""
 
     def __str__(self) -> str:
         """As a line for people, by its kind first."""
         return self.text if self.kind == "note" else f"{self.kind}: {self.text}"
+
+
+def short_of(notices: Iterable[StoredNotice]) -> str:
+    """What an engine could not hold, for the end of a reason: '; contacts reached 1000, ...'; '' if it held all."""
+    return "".join(f"; {notice.text}" for notice in notices if notice.kind == "capacity")
 
 
 def notice_of(line: str) -> StoredNotice:
@@ -23,7 +29,7 @@ def notice_of(line: str) -> StoredNotice:
 
     words = line.lower().replace(",", " ").replace(":", " ").replace("(", " ").split()
     effect = next((name for name in Effect(~0).names if name in words or name.replace("_", " ") in " ".join(words)), "")
-    for kind in ("surplus", "missing"):
+    for kind in ("surplus", "missing", "capacity"):
         if line.startswith(f"{kind}: "):
-            return StoredNotice(line.removeprefix(f"{kind}: "), kind, effect)
+            return StoredNotice(line.removeprefix(f"{kind}: "), kind, effect if kind != "capacity" else "")
     return StoredNotice(line)

@@ -126,7 +126,7 @@ def _batches(records: Iterable[Record]) -> Iterator[dict[str, "pa.Table"]]:
             return
 
 
-def in_parquet(records: Iterable[Record]) -> dict[str, bytes]:
+def in_parquet(records: Iterable[Record], compression: str = "snappy") -> dict[str, bytes]:
     """The files of the tables by name, of records in order; equal records have equal bytes."""
     from pyarrow.parquet import ParquetWriter  # late: it takes a while
 
@@ -135,7 +135,7 @@ def in_parquet(records: Iterable[Record]) -> dict[str, bytes]:
     for batch in _batches(records):
         for name, table in batch.items():
             if name not in writers:
-                writers[name] = ParquetWriter(files[name], table.schema)
+                writers[name] = ParquetWriter(files[name], table.schema, compression=compression)
             writers[name].write_table(table)
     for writer in writers.values():
         writer.close()

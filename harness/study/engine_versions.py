@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from pathlib import Path
 
-from plumbline.harness.intake.mendable import Mendable
+from plumbline.harness.intake.error import PlumblineError
 from plumbline.harness.intake.safe_text import quoted
 
 _VERSION = re.compile(r"[0-9A-Za-z][0-9A-Za-z.!+_-]{0,49}")
@@ -16,7 +16,7 @@ _DIGITS = 12
 """Of a wheel's digest in its version: two builds that call themselves the same are two engines."""
 
 
-class VersionError(Mendable):
+class VersionError(PlumblineError):
     """A version of an engine that cannot be meant; the message says what was given and what is expected."""
 
 

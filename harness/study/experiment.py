@@ -10,7 +10,7 @@ from pydantic.dataclasses import dataclass as validated
 
 from plumbline.harness.adapter import Settings
 from plumbline.harness.case import Clocks
-from plumbline.harness.intake.mendable import Mendable
+from plumbline.harness.intake.error import PlumblineError
 from plumbline.harness.intake.safe_text import quoted
 from plumbline.harness.intake.typed_fields import FieldError, filled
 from plumbline.harness.scene.values import FROZEN, Name
@@ -52,7 +52,7 @@ Step = Annotated[float, Field(ge=1e-12, le=1e3, allow_inf_nan=False)]
 """A time step [s], within what `Settings` take."""
 
 
-class StudyError(Mendable, ValueError):
+class StudyError(PlumblineError, ValueError):
     """A study file that breaks a rule; the message names file, element, value and expectation."""
 
 

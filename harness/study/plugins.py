@@ -16,7 +16,7 @@ from typing import Any
 from plumbline.harness.adapter import Adapter, Feature, Settings, Simulation, Unavailable
 from plumbline.harness.case import Case
 from plumbline.harness.case.own_titles import OWN
-from plumbline.harness.intake.mendable import Mendable
+from plumbline.harness.intake.error import PlumblineError
 from plumbline.harness.intake.near_miss import did_you_mean
 from plumbline.harness.intake.strangers import points, trouble
 from plumbline.harness.scene import Scene
@@ -27,7 +27,7 @@ _LONGEST_VERSION = 100
 SCENE_PREFIX = OWN
 
 
-class PluginError(Mendable):
+class PluginError(PlumblineError):
     """A plug-in that breaks its contract; the message names it and what was expected."""
 
 
@@ -162,6 +162,11 @@ def cases(wanted: Callable[[str], bool] = lambda _name: True) -> dict[str, Case]
 def left_out(kind: str) -> dict[str, str]:
     """Third parties' plug-ins of a kind ('cases', 'pages') that cannot be loaded, each with the reason."""
     return {name: reason for name, point in points(f"plumbline.{kind}").items() if (reason := trouble(point))}
+
+
+def left_out_in_words(*kinds: str) -> list[str]:
+    """The same of these kinds, a sentence each."""
+    return [f"{kind[:-1]} '{name}' is left out: {reason}" for kind in kinds for name, reason in left_out(kind).items()]
 
 
 def version_of(engine: Adapter) -> tuple[str, str | None]:

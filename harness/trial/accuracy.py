@@ -29,7 +29,7 @@ from plumbline.harness.case.forces import Controlled
 from plumbline.harness.case.symmetries import Retelling
 from plumbline.harness.metric import Metric, NotMeasurable
 from plumbline.harness.scene import Scene
-from plumbline.harness.store.notices import StoredNotice
+from plumbline.harness.store.notices import StoredNotice, short_of
 from plumbline.harness.store.record import Measurement, Record, Status
 from plumbline.harness.store.trajectory_file import save_trajectory
 from plumbline.harness.study.trial import Trial
@@ -341,6 +341,7 @@ def run_trial(
         )
         measurements = judge(bounded_case, scene, actual, truth)
     status, reason = _verdict(measurements) if broke is None else ("diverged", broke)
+    reason += "" if status == "passed" else short_of(warnings)
     return replace(
         plain,
         status=status,

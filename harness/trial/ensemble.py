@@ -26,6 +26,7 @@ from plumbline.harness.metric import NotMeasurable
 from plumbline.harness.metrics.collapse import SIGNS, collapse_time, first_break
 from plumbline.harness.metrics.stack import standing_height
 from plumbline.harness.scene import Scene
+from plumbline.harness.store.notices import short_of
 from plumbline.harness.store.record import Measurement, Record
 from plumbline.harness.store.trajectory_file import save_trajectory
 from plumbline.harness.study.trial import Trial
@@ -38,6 +39,8 @@ HELD, STARTS = "held_share", "starts"
 """The share of the starts that held, and how many there were: one, of a scene that cannot start otherwise."""
 BROKE_BY, SIGN = "broke_", "sign_"
 """Before a name: the share of the starts that broke by it, and that of those which showed it beside their question."""
+HEADLINE = "headline_worst"
+"""The largest headline error of the starts, with the bar beyond which it is lost; of an axis that says how far it may go."""
 OWN_CHECKS = "own_checks_hold"
 """Do the checks of the case hold at its own start? 1 or 0."""
 
@@ -47,7 +50,8 @@ class Fate:
     """What became of a member.
 
     Terms: by: the metric, sign or 'finite' by which it broke, '' where it held. time [s]: when. beside: a sign that shows in a
-    scene which is not meant to stand, '' for none. scene, answer: what ran. checked: do the checks of the case hold?
+    scene which is not meant to stand, '' for none. scene, answer: what ran. checked: do the checks of the case hold? error: of
+    the headline, and the bar beyond which it is lost; None where no axis is about it.
     """
 
     by: str
@@ -56,6 +60,18 @@ class Fate:
     scene: Scene
     answer: Answer
     checked: bool
+    error: "_Error | None" = None
+
+
+@dataclass(frozen=True, slots=True)
+class _Error:
+    """The headline against its bar. Terms: value: absolute where lower is better. lost: is it beyond the bar, or not finite?"""
+
+    value: float
+    bar: float
+    unit: str
+    lost: bool
+    lower_is_better: bool
 
 
 def _stands(case: Case) -> bool:
@@ -82,13 +98,14 @@ def _fate(trial: Trial, case: Case, adapter: Adapter, number: int, folder: Path 
     measured = judge(asked, scene, taken_back, truth) if number == 0 or not (_stands(case) or _limited(case)) else ()
     failed = [measurement.metric for measurement in measured if measurement.passed is False]
     by, time = "", end
-    if _limited(case) and _lost(asked, scene, taken_back, None if truth is None else truth.trajectory):
+    error = _error(asked, scene, taken_back, None if truth is None else truth.trajectory) if _limited(case) else None
+    if error is not None and error.lost:
         by = case.headline
     elif _stands(case):
         by, time = sign, shown
     elif not _limited(case) and failed:
         by = failed[0]
-    return Fate(by, time, "" if _stands(case) else sign, start.scene, answer, bool(measured) and not failed)
+    return Fate(by, time, "" if _stands(case) else sign, start.scene, answer, bool(measured) and not failed, error)
 
 
 def _limited(case: Case) -> bool:
@@ -101,16 +118,18 @@ def _varies(case: Case) -> bool:
     return case.retellings is None and case.control is None and case.rays is None and (_limited(case) or _stands(case))
 
 
-def _lost(case: Case, scene: Scene, actual: Trajectory, truth: Trajectory | None) -> bool:
-    """Is the headline beyond what the axis allows, and beyond what the case grants at this step? Raises: NotMeasurable."""
+def _error(case: Case, scene: Scene, actual: Trajectory, truth: Trajectory | None) -> _Error:
+    """The headline against the larger of what the axis allows and the case grants at this step. Raises: NotMeasurable."""
     assert case.hard is not None
     assert case.hard.lost is not None
     metric = next(metric for metric in case.metrics if metric.name == case.headline)
     granted = (check for check in case.checks if check.metric is metric and check.start == 0 and check.end is None)
     value = metric(scene, actual, truth)
     bounds = [case.hard.lost * case.scale, *(check.bound(actual.dt, case.parameters) for check in granted)]
-    within = value >= min(bounds) if metric.better == "higher" else abs(value) <= max(bounds)
-    return not (np.isfinite(value) and within)
+    higher = metric.better == "higher"
+    value, bar = (value, min(bounds)) if higher else (abs(value), max(bounds))
+    within = np.isfinite(value) and (value >= bar if higher else value <= bar)
+    return _Error(float(value), float(bar), metric.unit, not within, not higher)
 
 
 def endure(trial: Trial, case: Case, adapter: Adapter, folder: Path | None) -> Record:
@@ -128,11 +147,16 @@ def endure(trial: Trial, case: Case, adapter: Adapter, folder: Path | None) -> R
     beside = Counter(fate.beside for fate in fates if fate.beside)
     shown = min(broken, key=lambda fate: fate.time, default=fates[0])
     reason = f"{len(broken)} of {len(fates)} broke: {_listed(counts)}" if broken else f"all {len(fates)} held"
+    reason += short_of(shown.answer.warnings) if broken else ""
     if beside:
         reason += f"; beside the question, in a scene not meant to stand: {_listed(beside)}"
     made = [Measurement(metric=HELD, value=1 - len(broken) / len(fates), unit="1", at_most=1.0, passed=not broken)]
     for before, counted in ((BROKE_BY, counts), (SIGN, beside)):
         made += [Measurement(metric=before + name, value=count / len(fates), unit="1") for name, count in counted.items()]
+    errors = [fate.error for fate in fates if fate.error is not None and fate.error.lower_is_better]
+    if len(errors) == len(fates):
+        worst = max(errors, key=lambda error: error.value)
+        made.append(Measurement(metric=HEADLINE, value=worst.value, unit=worst.unit, at_most=worst.bar, passed=not worst.lost))
     made.append(Measurement(metric=OWN_CHECKS, value=float(fates[0].checked), unit="1"))
     made.append(Measurement(metric=STARTS, value=float(len(fates)), unit="1"))
     if broken:

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import Any
 
-from plumbline.harness.findings.limits_found import Search
+from plumbline.harness.findings.limits_found import CONSTANT, Search
 from plumbline.harness.findings.parameter_words import axis_title
 from plumbline.harness.findings.variant_of import STEP, in_words
 from plumbline.harness.store.store import Store
@@ -32,7 +32,7 @@ def _map(store: Store, name: str, group: Sequence[Search]) -> list[Figure]:
             if (
                 (_rest(search, name), search.parts) != (flags, parts)
                 or value is None
-                or search.verdict in ("unsupported", "unavailable")
+                or search.verdict in ("unsupported", "unavailable", CONSTANT)
             ):
                 continue
             rows.append(

@@ -16,6 +16,7 @@ from plumbline.reports.tables.engine_summary import Glance, glances
 from plumbline.reports.tables.failures import failing
 from plumbline.reports.tables.limits_met import limits_met
 from plumbline.reports.tables.own_scenes import by_case
+from plumbline.reports.tables.published import published_table
 from plumbline.reports.tables.realtime_speed import three
 from plumbline.reports.tables.selection import needs
 from plumbline.reports.tables.summary import sentences
@@ -79,6 +80,7 @@ def render(store: Store) -> Mapping[str, Rendered]:
         shown=SHOWN,
         listed=LISTED,
         news=history_news(store),
+        published=published_table(store),
         sides=sides,
         families=cells_by_family(store),
         thumbs=thumbnails(store),

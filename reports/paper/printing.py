@@ -6,7 +6,7 @@ import subprocess
 from pathlib import Path
 from typing import ClassVar, Literal
 
-from plumbline.harness.intake.mendable import Mendable
+from plumbline.harness.intake.error import PlumblineError
 from plumbline.harness.store.disk import put_in_place
 from plumbline.harness.store.store import Store
 from plumbline.reports.html.policy import guarded
@@ -29,7 +29,7 @@ LONGEST = 600.0
 """Seconds that a browser may take."""
 
 
-class NotPrinted(Mendable):
+class NotPrinted(PlumblineError):
     """There is no PDF: no browser, or one that failed; the message says what to do."""
 
     lies_in: ClassVar[Literal["usage", "machine"]] = "machine"

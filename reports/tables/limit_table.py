@@ -1,12 +1,13 @@
 """How far engines go, as people read it: a line for each axis, and who leads under each condition."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from textwrap import shorten
 
 from plumbline.harness.findings.emulations import whose
 from plumbline.harness.findings.leads import Lead, Reach, reaches
-from plumbline.harness.findings.limits_found import Search
+from plumbline.harness.findings.limits_found import CONSTANT, Search
 from plumbline.harness.findings.parameter_words import called
 from plumbline.harness.metric.titles import metric_title
 from plumbline.harness.store.store import Store
@@ -22,12 +23,13 @@ VERDICTS = {"beyond the extreme": "held to the end of the axis", "not even the e
 
 @dataclass(frozen=True, slots=True)
 class Cell:
-    """Where one engine ends: in words, why, and what hovering says."""
+    """Where one engine ends: in words, why, and what hovering says. curve: its error along the axis, as points of a line."""
 
     reach: float
     text: str
     why: str
     hint: str
+    curve: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,7 +95,9 @@ def _first_clause(reason: str) -> str:
 
 def cell(search: Search, law: str = "") -> Cell:
     """One search in words; law: whose laws it is about, where they are not all the engine's own."""
-    if search.verdict == "beyond the extreme":
+    if search.verdict == CONSTANT:
+        text, why = CONSTANT, f"{metric_title(search.signs.counts[0][0])} alike at both ends: {search.along_in_words}"
+    elif search.verdict == "beyond the extreme":
         text, why = f"≥ {amount(search.held)}", ""
     elif search.held is None:
         text = VERDICTS.get(search.verdict, search.verdict) if search.broke is None else f"< {amount(search.easy)}"
@@ -106,11 +110,26 @@ def cell(search: Search, law: str = "") -> Cell:
     verdict = VERDICTS.get(search.verdict, search.verdict)
     whole_reason = search.reason or signs(search, why=True)
     hint = f"{verdict}{share}{cost}{taken}; {search.values} values, {search.members} starts each; {whole_reason}"
+    hint += f"; error {search.along_in_words}" if search.along else ""
     # What breaks at other starts than the case's own, or with effects that no scene called for, is said to.
     own = "the case's own start holds" if search.own_holds and search.broke is not None else ""
     hint = "; ".join(word for word in (hint, own, *map(str, search.noticed)) if word)
     words = "; ".join(word for word in (shorten(why, _ROOM, placeholder=" …"), own, law) if word)
-    return Cell(search.reach, text, words, f"{hint}; {law}" if law else hint)
+    reach = 0.0 if search.verdict == CONSTANT else search.reach
+    return Cell(reach, text, words, f"{hint}; {law}" if law else hint, _curve(search))
+
+
+def _curve(search: Search) -> str:
+    """The headline error over its bar, against the axis: 100 wide, and 20 high from a thousandth to ten times; the bar is at 5.
+    '' of fewer than two values."""
+    easy, extreme = search.easy, search.extreme
+    points = []
+    for point in search.along:
+        logarithmic = min(easy, extreme) > 0
+        share = math.log(point.value / easy, extreme / easy) if logarithmic else (point.value - easy) / (extreme - easy)
+        over = min(max(point.error / point.bar, 1e-3), 10.0) if point.bar > 0 and point.error == point.error else 10.0
+        points.append(f"{100 * share:.1f},{5 - 5 * math.log10(over):.1f}")
+    return " ".join(points) if len(points) > 1 else ""
 
 
 def marked(unmarked: Cell, against: str) -> Cell:

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from plumbline.harness.findings.limits_found import Search, searches_if_described
+from plumbline.harness.findings.limits_found import CONSTANT, Search, searches_if_described
 from plumbline.harness.findings.parameter_words import called
 from plumbline.harness.metric.titles import metric_title
 from plumbline.harness.store.store import Store
@@ -43,7 +43,17 @@ def limits_met(store: Store) -> list[Limit]:
     """
     by_axis: dict[tuple[str, str, str], list[Search]] = {}
     for search in searches_if_described(store):
-        if not search.remedied and search.track == "tuned" and search.verdict not in ("unsupported", "unavailable", "stopped"):
+        if (
+            not search.remedied
+            and search.track == "tuned"
+            and search.verdict
+            not in (
+                "unsupported",
+                "unavailable",
+                "stopped",
+                CONSTANT,
+            )
+        ):
             by_axis.setdefault(search.searched_along, []).append(search)
     best: dict[str, Limit] = {}
     yard = {name for name, engine in engines(store).items() if engine["ours"]}

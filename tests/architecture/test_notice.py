@@ -16,6 +16,8 @@ MARKS = {"TEST_OPERATION_FAILED": "fast-json-patch", "Invalid SemVer": "semver"}
 """What stands in the bundle of libraries that are put together before they get there, without a name."""
 PICTURES = {path.relative_to(ROOT).as_posix() for path in (ROOT / "docs" / "pictures").glob("*.webp")}
 """Our own: `make screenshots` takes them."""
+PUBLISHED = {path.relative_to(ROOT).as_posix() for path in (ROOT / "src" / "plumbline" / "published").glob("*.parquet")}
+"""Our own: `plumbline publish` writes them."""
 MESHES = {"examples/meshes/forearm.stl"}
 """Our own, too."""
 
@@ -60,7 +62,7 @@ def test_nothing_of_third_parties_lies_in_the_repository_unnamed() -> None:
     if not tracked:
         pytest.skip("no repository here")
     binary = {name for name in tracked if (ROOT / name).is_file() and b"\0" in (ROOT / name).read_bytes()[:8192]}
-    assert binary == PICTURES
+    assert binary == PICTURES | PUBLISHED
     for name in set(tracked) - MESHES:
         assert Path(name).suffix not in {".woff", ".woff2", ".ttf", ".otf", ".obj", ".stl", ".dae", ".wasm"}, name
         if Path(name).suffix in {".css", ".html", ".js", ".svg"}:

@@ -45,12 +45,12 @@ def contexts(matrix: dict[str, str] | None = None) -> dict[str, object]:
 
 
 def said_in_blocks(path: Path) -> Iterator[str]:
-    """The lines of blocks of code in a page, whose remarks stand behind two blanks."""
-    inside = False
+    """The lines of blocks of commands in a page, whose remarks stand behind two blanks."""
+    inside, commands = False, False
     for line in path.read_text(encoding="utf-8").splitlines():
         if line.startswith("```"):
-            inside = not inside
-        elif inside:
+            inside, commands = not inside, line != "```python"
+        elif inside and commands:
             yield re.split(r"\s{2,}", line.strip())[0]
 
 

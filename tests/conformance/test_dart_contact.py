@@ -237,7 +237,7 @@ def test_more_contacts_than_dart_keeps_are_told() -> None:
     assert not any("contacts reached" in notice.text for notice in simulation.warnings())
     simulation.step()
     # 260 boxes of four contacts each are 40 more than the vendor's bound.
-    assert any("contacts reached 1000" in notice.text for notice in simulation.warnings())
+    assert [notice.kind for notice in simulation.warnings() if "contacts reached 1000" in notice.text] == ["capacity"]
 
 
 def test_effects_that_are_narrowed_away_are_not_simulated() -> None:

@@ -143,3 +143,26 @@ def test_repetitions_are_compared_bit_by_bit(
     for engine, verdict in zip(engines, restored, strict=False):
         assert rows[engine, "restored"]["verdict"] == verdict
     assert (folder / "report" / "determinism.html").is_file()
+
+
+def test_a_bar_that_a_constant_crosses_is_no_limit(printed: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """MuJoCo leaves a ninth of the closing speed at every mass ratio: 0.333 r/(1 + r) m/s of the lighter ball, bar 0.3."""
+    in_this_process(monkeypatch)
+    text = """
+name = "pairs"
+recordings = false
+[[experiments]]
+name = "pairs"
+cases = ["impact_pairs"]
+engines = ["mujoco", "bullet"]
+tracks = ["tuned"]
+timing = false
+limit = { scan = 3, within = 4.0, parts = [1] }
+"""
+    rows = {row["engine"]: row for row in table(carried_out(text, tmp_path, printed), "limits", printed)}
+    assert rows["mujoco"]["verdict"] == "no limit"
+    assert rows["mujoco"]["along"] == "0.167 at 1, 0.333 at 1e+06; bar 0.3"
+    assert rows["bullet"]["verdict"] == "beyond the extreme"
+    told = printed("show", str(tmp_path / "run"), "--table", "limits").stdout
+    assert "8.66" not in told
+    assert "sub-step dt/1: ratio up to 1e+06: bullet" in told

@@ -363,13 +363,15 @@ STUDIES: dict[str, Fault] = {
     "infinity as an option": told(STUDY + "[variants.dart.fast]\noptions = { x = inf }", "variants > dart > fast", "options"),
     "a limit along nothing": study("limit = { along = 'colour' }", "'colour'", "expected one of"),
     "a limit with 1e9 members": study("limit = { along = 'dt', members = 1_000_000_000 }", "limit > members", "1000000000"),
-    "an engine twice on the command line": study("", "--engine", "'dart'", options=("--engine", "dart", "--engine", "dart")),
-    "an unknown engine on the command line": study("", "'drat'", options=("--engine", "dart", "--engine", "drat")),
-    "a pattern twice on the command line": study("", "--case", "'f*'", options=("--case", "f*", "--case", "f*")),
-    "an unknown case on the command line": study(
-        "", "--case", "'flight_bos'", options=("--case", "f*", "--case", "flight_bos")
+    "an engine twice on the command line": study(
+        "", "engine 'dart'", "twice", options=("--engine", "dart", "--engine", "dart")
     ),
-    "an escape sequence on the command line": study("", "--case", options=("--case", "\x1b[31m")),
+    "an unknown engine on the command line": study("", "'drat'", options=("--engine", "dart", "--engine", "drat")),
+    "a pattern twice on the command line": study("", "case pattern 'f*'", "twice", options=("--case", "f*", "--case", "f*")),
+    "an unknown case on the command line": study(
+        "", "case pattern 'flight_bos'", "names no case", options=("--case", "f*", "--case", "flight_bos")
+    ),
+    "an escape sequence on the command line": study("", "case pattern", options=("--case", "\x1b[31m")),
     "an unknown option with an escape sequence": study("", "no option", options=("--\x1b[31m",)),
     "0 workers on the command line": study("", "--workers", options=("--workers", "0")),
     "1e99 workers on the command line": study("", "--workers", options=("--workers", "9" * 99)),

@@ -17,8 +17,8 @@ import traceback
 from pathlib import Path
 from typing import Any
 
+from plumbline.harness.intake.error import PlumblineError
 from plumbline.harness.intake.import_wishes import DROPPABLE, Wishes
-from plumbline.harness.intake.mendable import Mendable
 from plumbline.harness.scene.importers.companion import Companion, Massless
 from plumbline.harness.scene.importers.mjcf_model import Model
 from plumbline.harness.scene.importers.mjcf_text import Prepared
@@ -67,7 +67,7 @@ def _one(path: Path) -> str:
     signal.setitimer(signal.ITIMER_PROF, DEADLINE)
     try:
         read(path, wishes, Companion(massless=Massless(mass=1e-3)))
-    except Mendable as error:
+    except PlumblineError as error:
         return (
             "refused" if path.name in str(error) or "joints >" in str(error) else f"the file is not named: {str(error)[:200]}"
         )

@@ -27,8 +27,7 @@ def nowhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.setenv("PLUMBLINE_ENVIRONMENTS", str(tmp_path))
     packages = {plugins.adapter(name).distribution for name in EXTRAS}
     here = environments.installed
-    for place in ("harness.study.environments", "harness.cli.chosen_engines"):
-        monkeypatch.setattr(f"plumbline.{place}.installed", lambda name: name not in packages and here(name), raising=False)
+    monkeypatch.setattr(environments, "installed", lambda name: name not in packages and here(name))
     return tmp_path
 
 
@@ -49,7 +48,7 @@ def test_what_is_not_installed_says_what_it_takes_and_how_and_ends_as_wrong_usag
 
 
 def test_a_run_of_all_engines_asks_none_that_is_not_installed(nowhere: Path) -> None:
-    from plumbline.harness.cli.chosen_engines import chosen_engines
+    from plumbline.api.engines import chosen_engines
 
     keep(EXTRAS[0], Environment("python", version="1", distribution=plugins.adapter(EXTRAS[0]).distribution))
     assert home_of(EXTRAS[0]) is not None

@@ -1,11 +1,12 @@
 """Who leads, by hand: at equal sub-steps, for equal time, with the reference engine and without it."""
 
+from dataclasses import replace
 from typing import Any
 
 import pytest
 
 from plumbline.harness.findings.leads import axis_leads, leaders, pair_leads, reaches
-from plumbline.harness.findings.limits_found import Hold, Search, Signs
+from plumbline.harness.findings.limits_found import CONSTANT, Hold, Search, Signs
 from plumbline.harness.findings.prices import Prices
 from tests.unit.test_prices import Priced, Told
 
@@ -128,3 +129,8 @@ def test_an_upper_bound_on_a_price_leads_with_others_for_it_may_be_less() -> Non
     prices = Prices(Priced(told))
     equal_time = [lead for lead in pair_leads(prices.prices, prices.points) if lead.at == "equal time" and lead.ours]
     assert {lead.engine: (lead.alone, lead.shared) for lead in equal_time} == {"dart": (0, 1), "mujoco": (0, 1)}
+
+
+def test_a_bar_that_a_constant_crosses_ranks_nobody() -> None:
+    far, constant = search("a", 1, (0.5, 0.6, None)), replace(search("b", 1, (0.1, 0.2, None)), verdict=CONSTANT)
+    assert {reach.engine for reach in reaches([far, constant])} == {"a"}

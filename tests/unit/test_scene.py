@@ -5,7 +5,6 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import pytest
-from pydantic import ValidationError
 
 from plumbline.harness.scene import (
     WORLD,
@@ -25,6 +24,7 @@ from plumbline.harness.scene import (
     Plane,
     Revolute,
     Scene,
+    SceneError,
     Sphere,
     Surface,
     TriangleMesh,
@@ -95,7 +95,7 @@ TETRAHEDRON = ((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0
     ],
 )
 def test_a_bad_value_is_refused_by_name(make: Callable[[], object], words: str) -> None:
-    with pytest.raises(ValidationError, match=words):
+    with pytest.raises(SceneError, match=words):
         make()
 
 

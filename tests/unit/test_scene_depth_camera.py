@@ -4,9 +4,8 @@ import math
 from typing import Any
 
 import pytest
-from pydantic import ValidationError
 
-from plumbline.harness.scene import Camera, DepthCamera, StereoNoise, StructuredLightNoise, TimeOfFlightNoise
+from plumbline.harness.scene import Camera, DepthCamera, SceneError, StereoNoise, StructuredLightNoise, TimeOfFlightNoise
 
 PLACE: dict[str, Any] = {"name": "eye", "body": "b", "rate": 10.0}
 
@@ -30,13 +29,13 @@ PLACE: dict[str, Any] = {"name": "eye", "body": "b", "rate": 10.0}
     ],
 )
 def test_a_camera_without_a_picture_or_a_place_is_refused(kind: Any, field: str, value: object) -> None:
-    with pytest.raises(ValidationError, match=field):
+    with pytest.raises(SceneError, match=field):
         kind(**PLACE | {field: value})
 
 
 @pytest.mark.parametrize(("near", "far"), [(1.0, 1.0), (2.0, 1.0)])
 def test_a_far_bound_that_does_not_lie_beyond_the_near_one_is_refused(near: float, far: float) -> None:
-    with pytest.raises(ValidationError, match=rf"sensor 'eye': far {far} m does not lie beyond near {near} m"):
+    with pytest.raises(SceneError, match=rf"sensor 'eye': far {far} m does not lie beyond near {near} m"):
         DepthCamera(**PLACE, near=near, far=far)
 
 
@@ -44,7 +43,7 @@ def test_a_far_bound_that_does_not_lie_beyond_the_near_one_is_refused(near: floa
     ("field", "value"), [("near", 0.0), ("near", math.nan), ("far", math.inf), ("seen_by", "sonar"), ("principle", "stereo")]
 )
 def test_bounds_and_sources_that_are_none_are_refused(field: str, value: object) -> None:
-    with pytest.raises(ValidationError, match=field):
+    with pytest.raises(SceneError, match=field):
         DepthCamera(**PLACE | {field: value})
 
 
@@ -80,17 +79,17 @@ def test_a_law_of_noise_that_cannot_be_is_refused_by_its_field(
     law: Any, sound: dict[str, Any], field: str, value: object
 ) -> None:
     law(**sound)
-    with pytest.raises(ValidationError, match=field):
+    with pytest.raises(SceneError, match=field):
         law(**sound | {field: value})
 
 
 def test_a_second_path_without_a_wavelength_is_refused() -> None:
-    with pytest.raises(ValidationError, match=r"multipath 0\.3 without unambiguous_range"):
+    with pytest.raises(SceneError, match=r"multipath 0\.3 without unambiguous_range"):
         TimeOfFlightNoise(multipath=0.3)
 
 
 def test_the_principle_is_told_by_the_noises_type() -> None:
     camera = DepthCamera(**PLACE, noise={"type": "structured_light", "baseline": 0.075})
     assert camera.noise == StructuredLightNoise(baseline=0.075)
-    with pytest.raises(ValidationError, match="ultrasound"):
+    with pytest.raises(SceneError, match="ultrasound"):
         DepthCamera(**PLACE, noise={"type": "ultrasound"})

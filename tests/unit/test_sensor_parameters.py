@@ -3,9 +3,8 @@
 from typing import Any
 
 import pytest
-from pydantic import ValidationError
 
-from plumbline.harness.scene import AxisNoise, Imu, Lidar, LidarNoise
+from plumbline.harness.scene import AxisNoise, Imu, Lidar, LidarNoise, SceneError
 
 NAN, INF = float("nan"), float("inf")
 
@@ -30,7 +29,7 @@ NAN, INF = float("nan"), float("inf")
     ],
 )
 def test_a_number_of_a_noise_law_outside_its_range_is_refused_by_name(kind: Any, field: str, value: Any) -> None:
-    with pytest.raises(ValidationError, match=field):
+    with pytest.raises(SceneError, match=field):
         kind(**{field: value})
 
 
@@ -47,7 +46,7 @@ def test_a_number_of_a_noise_law_outside_its_range_is_refused_by_name(kind: Any,
     ],
 )
 def test_an_inertial_sensor_that_cannot_be_is_refused_by_name(field: str, value: Any) -> None:
-    with pytest.raises(ValidationError, match=field):
+    with pytest.raises(SceneError, match=field):
         Imu(**{"name": "i", "body": "b", "rate": 100.0, field: value})
 
 
@@ -68,10 +67,10 @@ def test_an_inertial_sensor_that_cannot_be_is_refused_by_name(field: str, value:
     ],
 )
 def test_a_range_finder_that_cannot_be_is_refused_by_name(fields: dict[str, Any], said: str) -> None:
-    with pytest.raises(ValidationError, match=said):
+    with pytest.raises(SceneError, match=said):
         Lidar(**{"name": "l", "body": "b", "rate": 10.0, **fields})
 
 
 def test_a_bound_below_one_step_of_the_digits_is_refused() -> None:
-    with pytest.raises(ValidationError, match=r"saturation 0\.1 lies below quantisation 0\.2"):
+    with pytest.raises(SceneError, match=r"saturation 0\.1 lies below quantisation 0\.2"):
         AxisNoise(saturation=0.1, quantisation=0.2)

@@ -13,7 +13,7 @@ from statistics import median
 from typing import Any, TypeVar
 
 from plumbline.harness.findings.agreement import AGREED_TRUTH
-from plumbline.harness.findings.limits_found import searches_if_described
+from plumbline.harness.findings.limits_found import CONSTANT, searches_if_described
 from plumbline.harness.findings.prices import PER_SECOND, Price, priced
 from plumbline.harness.findings.selection.wish import Wish
 from plumbline.harness.findings.steps_taken import substeps_of, substeps_taken
@@ -161,7 +161,7 @@ def _limits(store: Store) -> dict[tuple[str, str], Datum]:
     data: dict[tuple[str, str], Datum] = {}
     taken = substeps_taken(store)
     for search in searches_if_described(store):
-        if search.remedy or search.parts or search.verdict in ("unavailable", "stopped"):
+        if search.remedy or search.parts or search.verdict in ("unavailable", "stopped", CONSTANT):
             continue
         held = search.holds[-1] if search.holds else None
         low, high = (held.reach, max(held.further, held.reach)) if held else (0.0, 0.0)

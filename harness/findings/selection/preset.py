@@ -8,14 +8,14 @@ from typing import Annotated, Any
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from plumbline.harness.findings.selection.wish import CRITERIA, Wish
-from plumbline.harness.intake.mendable import Mendable
+from plumbline.harness.intake.error import PlumblineError
 
 _FOLDER = Path(__file__).parent / "presets"
 
 Weight = Annotated[float, Field(ge=0, le=1000, allow_inf_nan=False)]
 
 
-class PresetError(Mendable, ValueError):
+class PresetError(PlumblineError, ValueError):
     """A preset that is not there, or says something that none does."""
 
 

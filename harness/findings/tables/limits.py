@@ -6,7 +6,7 @@ from typing import Any
 
 from plumbline.harness.findings.columns import Column, Row, Table, Titled, Titles, milli, names, scene
 from plumbline.harness.findings.leads import REFERENCE
-from plumbline.harness.findings.limits_found import Search, amount, searches
+from plumbline.harness.findings.limits_found import CONSTANT, Search, amount, searches
 from plumbline.harness.findings.parameter_words import called
 from plumbline.harness.metric.titles import metric_title
 
@@ -15,7 +15,7 @@ COLUMNS = tuple(name for name in names(Search) if name not in ("beside", "remedy
 
 def _flat(search: Search) -> dict[str, Any]:
     row = {name: value for name, value in asdict(search).items() if name in COLUMNS}
-    return row | {"signs": search.signs.text, "noticed": "; ".join(map(str, search.noticed))}
+    return row | {"signs": search.signs.text, "noticed": "; ".join(map(str, search.noticed)), "along": search.along_in_words}
 
 
 def _axis(row: Row) -> str:
@@ -23,7 +23,7 @@ def _axis(row: Row) -> str:
 
 
 def _broke(row: Row) -> str:
-    silent = row["verdict"] in ("stopped", "unsupported", "unavailable")
+    silent = row["verdict"] in ("stopped", "unsupported", "unavailable", CONSTANT)
     return str(row["verdict"]) if silent else amount(row["broke"], "none")
 
 
@@ -47,7 +47,7 @@ def _sentences(rows: Sequence[Row]) -> list[str]:
     """
     axes: dict[tuple[Any, ...], list[Row]] = {}
     for row in rows:
-        if row["verdict"] not in ("unsupported", "unavailable"):
+        if row["verdict"] not in ("unsupported", "unavailable", CONSTANT):
             # Tracks as they come are not compared with what is held to a sub-step.
             axes.setdefault((row["experiment"], row["case"], row["where"], row["axis"], row["parts"]), []).append(row)
     lines = []
@@ -73,10 +73,11 @@ TABLE = Table(
         Column("engine", "engine"),
         Column("setting", _setting),
         Column("axis", _axis),
-        Column("held", lambda row: amount(row["held"], "none")),
+        Column("held", lambda row: "" if row["verdict"] == CONSTANT else amount(row["held"], "none")),
         Column("broke", _broke),
         Column("share held there", "share", ".2f"),
         Column("by", _by),
+        Column("headline error", "along"),
         Column("CPU s per s", lambda row: amount(row["cost"], "")),
         Column("ms a step", lambda row: milli(row["step_cost"]), ".3g"),
         Column("values", "values"),

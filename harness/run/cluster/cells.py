@@ -16,7 +16,7 @@ from multiprocessing import process
 from pathlib import Path
 from typing import Any
 
-from plumbline.harness.intake.mendable import Mendable
+from plumbline.harness.intake.error import PlumblineError
 from plumbline.harness.run.isolated import run_isolated
 from plumbline.harness.run.timing_protocol import clock_group
 from plumbline.harness.store.machine_fingerprint import fingerprint, machine_digest
@@ -28,7 +28,7 @@ _KEPT = ("trajectories", "truths", "logs")
 """Folders of a run folder that a worker's own may have something for."""
 
 
-class OtherPlumbline(Mendable):
+class OtherPlumbline(PlumblineError):
     """A worker that would answer by other sources or another engine than the coordinator asks about; the text says which."""
 
 

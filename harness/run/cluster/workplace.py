@@ -15,7 +15,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
-from plumbline.harness.intake.mendable import Mendable
+from plumbline.harness.intake.error import PlumblineError
 from plumbline.harness.run.cluster.cells import Answered, OtherPlumbline, Timed, answer_cell, clock_together, here
 from plumbline.harness.run.interrupt import stop_if_asked
 from plumbline.harness.store import disk
@@ -42,7 +42,7 @@ class NoScheduler(StoreError):
     """A scheduler that does not answer, or not any more; the message says what is safe and how to go on."""
 
 
-class NoDask(Mendable):
+class NoDask(PlumblineError):
     """dask.distributed is not installed."""
 
 

@@ -5,7 +5,6 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from pydantic import ValidationError
 
 from plumbline.harness.intake.documents import named
 from plumbline.harness.intake.import_wishes import Drop, Wishes
@@ -257,8 +256,7 @@ def _scene(robot: Robot, companion: Companion, made: _Made, surfaces: tuple[Surf
             apart=_apart(made),
         )
     except ValueError as error:
-        message = error.errors()[0]["msg"].removeprefix("Value error, ") if isinstance(error, ValidationError) else str(error)
-        raise RobotError(f"{robot.source}: {readable(message, 600)}") from None
+        raise RobotError(f"{robot.source}: {readable(str(error).removeprefix('scene: '), 600)}") from None
 
 
 def _looks(

@@ -7,7 +7,6 @@ Source: Open Robotics, SDFormat Specification, <sensor>.
 import math
 
 import numpy as np
-from pydantic import ValidationError
 
 from plumbline.harness.intake.refusal import RobotError
 from plumbline.harness.intake.safe_text import readable
@@ -46,11 +45,10 @@ class Sensors:
                 sensor = self._lidar(element, kind, name, link, rate, X_LS)
             else:
                 sensor = _camera(element, kind, name, link, rate, X_LS)
-        except (ValidationError, ValueError, ArithmeticError) as error:
+        except (ValueError, ArithmeticError) as error:
             if isinstance(error, RobotError):
                 raise
-            reason = error.errors()[0]["msg"] if isinstance(error, ValidationError) else str(error)
-            raise element.refuse(readable(f"is no sensor of a scene: {reason}", 300)) from None
+            raise element.refuse(readable(f"is no sensor of a scene: {error}", 300)) from None
         self._rows.setdefault((kind, "without its noise"), []).append(name)
         if stated <= 0:
             self._rows.setdefault((kind, "its rate"), []).append(name)

@@ -5,8 +5,10 @@ from typing import ClassVar, Literal
 LiesIn = Literal["usage", "machine"]
 
 
-class Mendable(Exception):
-    """An error that is no fault of the program.
+class PlumblineError(Exception):
+    """Wrong input, or a machine or run folder that does not let us: no fault of the program.
+
+    The message names file, element, value and what was expected.
 
     Terms: lies_in: 'usage' where something else was to be asked or written, 'machine' where the machine or a run folder is it.
     """

@@ -7,7 +7,7 @@ if TYPE_CHECKING:
     from plumbline.reports.html.report import WrittenReport
 
 
-def publish(store: "Store", recordings: bool) -> "WrittenReport":
+def present(store: "Store", recordings: bool) -> "WrittenReport":
     """Write what people look at: summary, recordings, report."""
     from plumbline.harness.findings.summary import write_summary
     from plumbline.reports import build, write_recordings

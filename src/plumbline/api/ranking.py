@@ -1,0 +1,114 @@
+"""Which engine, for what is needed, and how surely: the ranking of a run folder."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from os import PathLike
+from typing import TYPE_CHECKING
+
+import pandas as pd
+
+from plumbline.api.frames import described
+from plumbline.api.results import Results, open_results
+from plumbline.harness.findings.selection import CRITERIA, PresetError, Wish, choose, read_preset
+from plumbline.harness.findings.selection.preset import merged
+from plumbline.harness.intake.safe_text import quoted
+
+if TYPE_CHECKING:
+    from plumbline.harness.findings.selection import Answer
+    from plumbline.harness.store.store import Store
+
+
+@dataclass(frozen=True, repr=False)
+class Ranking:
+    """Engines in order, with the doubt about it. Terms: sentence: the answer in words. answer: all of it, which may change."""
+
+    sentence: str
+    answer: "Answer"
+
+    def __repr__(self) -> str:
+        """The answer in words."""
+        return self.sentence
+
+    def frame(self) -> pd.DataFrame:
+        """A row an engine, the first one first; those that are left out have no place."""
+        places = self.answer.rank.places if self.answer.rank is not None else ()
+        rows = [
+            {
+                "engine": each.engine,
+                "place": each.number,
+                "first": None if self.answer.alone else each.first,
+                "score": each.score,
+            }
+            | {"low": each.low, "high": each.high, "track": self.answer.evidence.tracks[each.engine], "left_out": None}
+            for each in places
+        ]
+        rows += [{"engine": drop.engine, "left_out": f"{drop.requirement}: {drop.value}"} for drop in self.answer.dropped]
+        names = ["engine", "place", "first", "score", "low", "high", "track", "left_out"]
+        return described("ranking", pd.DataFrame(rows, columns=names))
+
+
+def select(
+    results: Results | str | PathLike[str],
+    need: Sequence[str] = (),
+    *,
+    error: float | None = None,
+    strict: bool = False,
+    realtime: float | None = None,
+    features: Sequence[str] = (),
+    weights: Mapping[str, float] | None = None,
+    preset: str = "",
+    licences: Sequence[str] = (),
+    platform: str = "",
+    with_reference: bool = False,
+) -> Ranking:
+    """Rank the engines of a run for what is needed: what `plumbline select` does.
+
+    Args:
+        results: of `compare`, `open` or `published`, or the path of a run folder.
+        need: families or patterns of cases that count, like "friction"; all if empty.
+        error: that is priced, a share of a case's scale; 0.01 if None. strict: leave out engines that do not reach it in each
+            case.
+        realtime: how many times faster than real time at that error.
+        features: that an engine has to have. licences: SPDX identifiers, of which it has one. platform: like "linux-x86_64".
+        weights: of criteria, 0 or more; 1 if not given. preset: weights and cases of a purpose: games, legged, manipulation,
+            rl-throughput, sensors, teaching, or the path of a file.
+        with_reference: rank the reference engine too.
+    Raises: PlumblineError, with what was given and what was expected.
+    """
+    store = (results if isinstance(results, Results) else open_results(results)).store
+    base = read_preset(preset).wish() if preset else Wish()
+    for name, weight in (weights or {}).items():
+        if name not in CRITERIA or not 0 <= weight <= 1000:
+            raise PresetError(f"weights: {quoted(name)}: {weight}, expected 0..1000 for some of {', '.join(CRITERIA)}")
+    for name, value in (("error", error), ("realtime", realtime)):
+        if value is not None and not 0 < value <= (1 if name == "error" else float("inf")):
+            raise PresetError(f"{name}: {value}, expected above 0{' and at most 1' if name == 'error' else ''}")
+    wish = merged(
+        base,
+        cases=_counted(store, need),
+        features=tuple(features),
+        max_error=error,
+        strict=strict,
+        realtime=realtime,
+        weights={**base.weights, **(weights or {})},
+        licences=tuple(licences),
+        platform=platform,
+        with_reference=with_reference,
+    )
+    from plumbline.harness.findings.selection.words import headline
+
+    answer = choose(store, wish)
+    titles = store.titles
+    return Ranking(headline(answer, lambda name: titles.get(name, name)), answer)
+
+
+def _counted(store: "Store", need: Sequence[str]) -> dict[str, float]:
+    """The patterns of what is needed, each of which names a case of the run. Raises: PresetError."""
+    about = store.catalogue.get("cases", {})
+    cases = {str(case) for case in store.trials["case"]}
+    families = {case: str(about.get(case, {}).get("family") or case.partition("_")[0]) for case in cases}
+    for name in need:
+        if not any(Wish(cases={name: 1.0}).weight_of_case(case, family) for case, family in families.items()):
+            there = ", ".join(sorted(set(families.values())))
+            raise PresetError(f"need: {quoted(name)} is no family or case of this run, expected some of {there}")
+    return dict.fromkeys(need, 1.0)

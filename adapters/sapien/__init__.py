@@ -162,8 +162,8 @@ ADAPTER = SapienAdapter(
         TradeOff(
             cases=("spin_fast",),
             at=("own step", "ladder"),
-            why="PGS, which keeps a ball's spin and rests where TGS trembles, errs 1.27 times as much as TGS in the attitude of "
-            "a fast top; every check holds under both",
+            why="PGS, which keeps a ball's spin and rests where TGS trembles, errs 1.27 times as much as TGS in the attitude "
+            "of a fast top; every check holds under both",
         ),
     ),
     deviations=(

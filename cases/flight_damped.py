@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from plumbline.harness.case import Case, Check, Parameters
+from plumbline.harness.case import Case, Check, NotNegative, Parameters
 from plumbline.harness.case.bounds import stays_finite
 from plumbline.harness.metrics import errors
 from plumbline.harness.scene import EARTH_GRAVITY, Body, Scene
@@ -21,8 +21,8 @@ SINGLE = 1e-6
 class P(Parameters):
     velocity: Vector3 = VELOCITY
     spin: Vector3 = SPIN
-    linear_damping: float = 2.0
-    angular_damping: float = 1.0
+    linear_damping: NotNegative = 2.0
+    angular_damping: NotNegative = 1.0
 
 
 def _scene(p: P) -> Scene:

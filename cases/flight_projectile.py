@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from plumbline.harness.case import Case, Check, Parameters
+from plumbline.harness.case import Case, Check, Parameters, Positive
 from plumbline.harness.case.bounds import SINGLE, G, stays_finite
 from plumbline.harness.metrics import energy, errors
 from plumbline.harness.scene import EARTH_GRAVITY, Body, Scene
@@ -14,8 +14,8 @@ DURATION = 2.0
 
 class P(Parameters):
     velocity: Vector3 = (3.0, 1.0, 8.0)
-    mass: float = 1.0
-    radius: float = 0.1
+    mass: Positive = 1.0
+    radius: Positive = 0.1
 
 
 def _scene(p: P) -> Scene:

@@ -5,7 +5,7 @@ v_f = (5 v0 + 2 r w0)/7 for a solid sphere, negative where the backspin wins.
 
 import numpy as np
 
-from plumbline.harness.case import Case, Check, Parameters
+from plumbline.harness.case import Case, Check, NotNegative, Parameters
 from plumbline.harness.case.bounds import G, forces_keep_momentum, forces_obey_coulomb, stays_finite
 from plumbline.harness.metrics import errors
 from plumbline.harness.scene import Body, Effect, Scene, Surface
@@ -21,7 +21,7 @@ SOLID = 0.4
 class P(Parameters):
     speed: float = SPEED
     spin: float = -60.0
-    friction: float = 0.3
+    friction: NotNegative = 0.3
 
 
 def _scene(p: P) -> Scene:

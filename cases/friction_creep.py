@@ -1,8 +1,11 @@
 """A box at rest on an incline that friction should hold: does it stay, or creep down?"""
 
 import math
+from typing import Annotated
 
-from plumbline.harness.case import Case, Check, Parameters
+from annotated_types import Interval
+
+from plumbline.harness.case import Case, Check, NotNegative, Parameters, Positive
 from plumbline.harness.case.bounds import GIVE, G, forces_obey_coulomb, stays_finite
 from plumbline.harness.metrics import errors, jitter, slide
 from plumbline.harness.scene import Body, Effect, Scene, Surface
@@ -13,9 +16,9 @@ HALF = (0.1, 0.1, 0.05)
 
 
 class P(Parameters):
-    angle: float = 10.0
-    friction: float = 0.5
-    mass: float = 1.0
+    angle: Annotated[float, Interval(ge=0, lt=90)] = 10.0
+    friction: NotNegative = 0.5
+    mass: Positive = 1.0
 
 
 def _scene(p: P) -> Scene:

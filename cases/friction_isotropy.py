@@ -6,10 +6,12 @@ Source: Stewart, SIAM Review 42 (2000) 3 (polyhedral approximations of the frict
 """
 
 import math
+from typing import Annotated
 
 import numpy as np
+from annotated_types import Ge
 
-from plumbline.harness.case import Case, Check, Parameters
+from plumbline.harness.case import Case, Check, Parameters, Positive
 from plumbline.harness.case.bounds import G, forces_keep_momentum, forces_obey_coulomb
 from plumbline.harness.metrics.slide import centre_rise, heading_error, polar_spread, stop_distance_error
 from plumbline.harness.scene import Body, Effect, Scene, Surface
@@ -21,9 +23,9 @@ HALF = (0.1, 0.1, 0.025)
 
 
 class P(Parameters):
-    directions: int = 13
-    friction: float = 0.5
-    speed: float = 2.0
+    directions: Annotated[int, Ge(2)] = 13
+    friction: Positive = 0.5
+    speed: Positive = 2.0
 
 
 def _azimuths(directions: int) -> list[float]:

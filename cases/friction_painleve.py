@@ -15,7 +15,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from plumbline.harness.case import Axis, Case, Check, Converged, Parameters
+from plumbline.harness.case import Axis, Case, Check, Converged, NotNegative, Parameters
 from plumbline.harness.case.bounds import G, forces_keep_momentum, forces_obey_coulomb, stays_finite
 from plumbline.harness.metrics import contacts, energy, errors, painleve
 from plumbline.harness.scene import (
@@ -38,7 +38,7 @@ DURATION = 0.125
 
 
 class P(Parameters):
-    friction: float = 1.0
+    friction: NotNegative = 1.0
     speed: float = 8.0
     angle: float = float(np.degrees(np.arctan(2.0)))
     """Degrees between the rod and the ground: the angle at which the least friction suffices for the paradox."""

@@ -5,10 +5,12 @@ g (sin(angle) - mu cos(angle)) where not. The incline is level ground in a field
 """
 
 import math
+from typing import Annotated
 
 import numpy as np
+from annotated_types import Interval
 
-from plumbline.harness.case import Case, Check, Parameters
+from plumbline.harness.case import Case, Check, NotNegative, Parameters
 from plumbline.harness.case.bounds import G, forces_obey_coulomb, stays_finite
 from plumbline.harness.metrics import errors
 from plumbline.harness.scene import Body, Effect, PlacedShape, Scene, Sphere, Surface, principal_inertia
@@ -20,8 +22,8 @@ RADIUS, MASS, SPACING = 0.1, 1.0, 1.0
 
 
 class P(Parameters):
-    angle: float = 30.0
-    friction: float = 0.2
+    angle: Annotated[float, Interval(ge=0, lt=90)] = 30.0
+    friction: NotNegative = 0.2
     factors: tuple[float, ...] = (0.4, 0.5, 2 / 3, 1.0)
     """I/(m r^2) of a solid sphere, a cylinder, a shell and a hoop: at 30 degrees and mu = 0.2 the first two roll, the others
     slip. All touch as spheres: only their inertia matters here."""

@@ -5,7 +5,7 @@ A moment c N against a rolling ball slows it by a = c g/(r (1 + k)), k = 2/5, un
 
 import numpy as np
 
-from plumbline.harness.case import Case, Check, Parameters
+from plumbline.harness.case import ByParameters, Case, Check, Parameters, Positive
 from plumbline.harness.case.bounds import G, forces_obey_coulomb, stays_finite
 from plumbline.harness.metrics import errors, jitter
 from plumbline.harness.scene import Body, Effect, Scene, Surface
@@ -20,13 +20,18 @@ SOLID = 0.4
 
 
 class P(Parameters):
-    speed: float = SPEED
+    speed: Positive = SPEED
     coefficients: tuple[float, ...] = COEFFICIENTS
 
 
 def deceleration(coefficient: float, radius: float = RADIUS) -> float:
     """c g/(r (1 + k)) [m/s2] of a solid sphere."""
     return coefficient * G / (radius * (1 + SOLID))
+
+
+def lasting(p: P) -> float:
+    """How long a run takes [s]: DURATION, stretched like the longest roll, v r (1 + k)/(c g)."""
+    return DURATION * (p.speed / min(c for c in p.coefficients if c > 0)) / (SPEED / min(COEFFICIENTS))
 
 
 def _scene(p: P) -> Scene:
@@ -82,7 +87,7 @@ CASE = Case(
     truth="closed form",
     scene=_scene,
     expected=_expected,
-    duration=DURATION,
+    duration=ByParameters(lasting),
     parameters=P(),
     headline=errors.position_error_max.name,
     converges="once",
@@ -97,14 +102,15 @@ CASE = Case(
         ),
         Check(
             errors.position_error_max,
-            lambda dt, p: _speed(dt, p) * DURATION + p.speed * dt,
+            lambda dt, p: _speed(dt, p) * lasting(p) + p.speed * dt,
             "the error of the speed all the way, and a staggered scheme's half step of way, taken twice",
         ),
         Check(
             jitter.rms_speed,
             _speed,
-            "all balls have come to rest (the slowest at t = 2.9 s) and resistance takes any speed below that in a step",
-            start=DURATION - 0.25,
+            "all balls have come to rest (the slowest at t = 2.9 s from 1 m/s) and resistance takes any speed below that "
+            "in a step",
+            start=ByParameters(lambda p: lasting(p) - 0.25),
         ),
         *forces_obey_coulomb(),
     ),

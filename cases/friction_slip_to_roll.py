@@ -5,7 +5,7 @@ Slip ends at t = v0/(mu g (1 + 1/k)), for a solid sphere 2 v0/(7 mu g), and from
 
 import numpy as np
 
-from plumbline.harness.case import Case, Check, Parameters
+from plumbline.harness.case import Case, Check, NotNegative, Parameters
 from plumbline.harness.case.bounds import G, forces_keep_momentum, forces_obey_coulomb, stays_finite
 from plumbline.harness.metrics import errors
 from plumbline.harness.scene import Body, Effect, PlacedShape, Scene, Sphere, Surface, principal_inertia
@@ -18,7 +18,7 @@ SPEED, RADIUS, MASS, SPACING = 5.0, 0.1, 1.0, 1.0
 
 class P(Parameters):
     speed: float = SPEED
-    friction: float = 0.3
+    friction: NotNegative = 0.3
     factors: tuple[float, ...] = (0.4, 0.5, 2 / 3, 1.0)
     """I/(m r^2) of a solid sphere, a cylinder, a shell and a hoop. All touch as spheres: only their inertia matters here."""
 

@@ -7,7 +7,7 @@ has feet and no face, so that no engine's choice of contact points decides.
 
 import numpy as np
 
-from plumbline.harness.case import Case, Check, Parameters
+from plumbline.harness.case import Case, Check, NotNegative, Parameters
 from plumbline.harness.case.bounds import GIVE, G, forces_obey_coulomb, stays_finite
 from plumbline.harness.metrics import errors
 from plumbline.harness.scene import Body, Effect, PlacedShape, Scene, Sphere, Surface, cylinder_inertia
@@ -22,7 +22,7 @@ INERTIA = cylinder_inertia(MASS, 0.2, 0.03)
 
 class P(Parameters):
     spin: float = SPIN
-    friction: float = 0.3
+    friction: NotNegative = 0.3
 
 
 def _scene(p: P) -> Scene:

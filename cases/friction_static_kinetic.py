@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from plumbline.harness.case import Case, Check, Parameters
+from plumbline.harness.case import Case, Check, NotNegative, Parameters, Positive
 from plumbline.harness.case.bounds import GIVE, G, forces_obey_coulomb, stays_finite
 from plumbline.harness.metrics.errors import position_error_final, position_error_max, velocity_error_max
 from plumbline.harness.scene import Body, Distance, Effect, Scene, Spring, Surface
@@ -23,10 +23,10 @@ HALF = (0.2, 0.2, 0.05)
 
 
 class P(Parameters):
-    static: float = 0.6
-    kinetic: float = 0.4
-    stiffness: float = 20.0
-    drawn: float = 0.2
+    static: NotNegative = 0.6
+    kinetic: NotNegative = 0.4
+    stiffness: Positive = 20.0
+    drawn: Positive = 0.2
 
 
 def _scene(p: P) -> Scene:

@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 
-from plumbline.harness.case import Case, Check, Parameters
+from plumbline.harness.case import Case, Check, Parameters, Positive
 from plumbline.harness.case.bounds import G, forces_obey_coulomb
 from plumbline.harness.metrics import slide, statics
 from plumbline.harness.scene import (
@@ -34,7 +34,7 @@ THICKNESS, WIDTH = 0.2, 0.3
 
 class P(Parameters):
     steepness: tuple[float, ...] = STEEPNESS
-    friction: float = 0.5
+    friction: Positive = 0.5
 
 
 def _acceleration(steepness: float, friction: float) -> float:

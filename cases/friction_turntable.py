@@ -5,7 +5,7 @@ v' = k/(1 + k) W z x v for a ball with I = k m r^2 that rolls on a table turning
 
 import numpy as np
 
-from plumbline.harness.case import Case, Check, Parameters
+from plumbline.harness.case import Case, Check, Parameters, Positive
 from plumbline.harness.case.bounds import forces_obey_coulomb, stays_finite
 from plumbline.harness.metrics.errors import position_error_final, position_error_max, radius_error_max, velocity_error_max
 from plumbline.harness.scene import Body, Box, Effect, PlacedShape, Scene, Surface
@@ -20,8 +20,8 @@ HALF = (2.0, 2.0, 0.1)
 
 
 class P(Parameters):
-    rate: float = RATE
-    start: float = START
+    rate: Positive = RATE
+    start: Positive = START
 
 
 def _ball(time: Floats, rate: float, start: float) -> tuple[Floats, Floats, Floats]:

@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from plumbline.harness.case import Case, Check, Parameters
+from plumbline.harness.case import Case, Check, Parameters, Positive
 from plumbline.harness.case.bounds import SPRING_STEPS, G, forces_keep_momentum
 from plumbline.harness.metrics.restitution import (
     HOP,
@@ -28,8 +28,8 @@ MASS, SPACING = 1.0, 1.0
 
 class P(Parameters):
     restitutions: tuple[float, ...] = (0.0, 0.3, 0.5, 0.8, 0.95, 1.0)
-    drop: float = 1.0
-    radius: float = 0.1
+    drop: Positive = 1.0
+    radius: Positive = 0.1
 
 
 def _fall(drop: float) -> float:

@@ -7,7 +7,7 @@ Source: Herrmann, Schmaelzle, Am. J. Phys. 49 (1981) 761.
 
 import math
 
-from plumbline.harness.case import Case, Check, Parameters
+from plumbline.harness.case import Case, Check, Count, Parameters
 from plumbline.harness.case.bounds import SOLVED, stays_finite
 from plumbline.harness.metrics import energy, momentum
 from plumbline.harness.metrics.row import last_share_error, touching_last_share
@@ -22,7 +22,7 @@ SWEEPS = 10
 
 class P(Parameters):
     gaps: tuple[float, ...] = (1e-3, 0.0)
-    balls: int = BALLS
+    balls: Count = BALLS
     speed: float = SPEED
 
 

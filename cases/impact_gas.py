@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 
-from plumbline.harness.case import Axis, Case, Check, Parameters
+from plumbline.harness.case import Axis, Case, Check, FloatCount, Parameters
 from plumbline.harness.case.bounds import stays_finite
 from plumbline.harness.metrics import momentum, overlaps
 from plumbline.harness.metrics.energy import energy_drift_final, energy_growth_rate
@@ -21,7 +21,7 @@ DURATION = 1.0
 
 
 class P(Parameters):
-    edge: float = 6
+    edge: FloatCount = 6
     speed: float = SPEED
     seed: int = 0
 

@@ -6,7 +6,7 @@ contacts can touch the angular momentum: impulses with unequal arms, or bodies t
 
 import numpy as np
 
-from plumbline.harness.case import Axis, Case, Check, Parameters
+from plumbline.harness.case import Axis, Case, Check, NotNegative, Parameters
 from plumbline.harness.case.bounds import forces_keep_momentum, stays_finite
 from plumbline.harness.metrics import energy, momentum, overlaps
 from plumbline.harness.scene import Body, Scene, Surface, axis_angle
@@ -16,7 +16,7 @@ DURATION = 1.5
 
 
 class P(Parameters):
-    friction: float = 0.3
+    friction: NotNegative = 0.3
     speed: float = 1.0
     spin: float = 4.0
     seed: int = 0

@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from plumbline.harness.case import Case, Check, Parameters
+from plumbline.harness.case import Case, Check, NotNegative, Parameters, Positive, Share
 from plumbline.harness.case.bounds import SPRING_STEPS, forces_keep_momentum, stays_finite
 from plumbline.harness.metrics.errors import angular_velocity_error_final, position_error_final, velocity_error_final
 from plumbline.harness.scene import Body, Scene, Surface, sphere_inertia
@@ -40,9 +40,9 @@ Motion = tuple[tuple[float, float], Vector3]
 class P(Parameters):
     velocities: tuple[tuple[float, ...], ...] = VELOCITIES
     spins: tuple[tuple[float, ...], ...] = SPINS
-    approach: float = APPROACH
-    friction: float = 0.3
-    restitution: float = 0.6
+    approach: Positive = APPROACH
+    friction: NotNegative = 0.3
+    restitution: Share = 0.6
 
 
 def _motions(

@@ -9,7 +9,7 @@ from itertools import product
 
 import numpy as np
 
-from plumbline.harness.case import Axis, Case, Check, Parameters
+from plumbline.harness.case import Axis, Case, Check, Parameters, Positive
 from plumbline.harness.case.bounds import SOLVED, SPRING_STEPS, forces_keep_momentum, stays_finite
 from plumbline.harness.metrics import errors, momentum
 from plumbline.harness.scene import Body, Scene, Surface
@@ -27,7 +27,7 @@ DURATION = 0.5
 
 
 class P(Parameters):
-    ratio: float = 1000.0
+    ratio: Positive = 1000.0
     restitutions: tuple[float, ...] = (0.0, 0.5, 0.8, 1.0)
 
 

@@ -4,7 +4,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from plumbline.harness.case import Axis, Case, Check, Converged, Parameters
+from plumbline.harness.case import Axis, Case, Check, Converged, FloatCount, Parameters, Positive
 from plumbline.harness.case.bounds import G, stays_finite
 from plumbline.harness.metrics import errors, joints
 from plumbline.harness.metrics.energy import energy_drift_max, energy_drift_staggered_max
@@ -21,8 +21,8 @@ SAMPLE = 1 / 3840
 
 
 class P(Parameters):
-    n: float = 10
-    angle: float = 20.0
+    n: FloatCount = 10
+    angle: Positive = 20.0
     """Degrees from the downward vertical: a regular swing within the horizon of the reference."""
 
 

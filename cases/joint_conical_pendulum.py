@@ -1,8 +1,11 @@
 """A pendulum on a ball joint that goes round in a level circle: does it keep its radius and its rate?"""
 
-import numpy as np
+from typing import Annotated
 
-from plumbline.harness.case import Case, Check, Parameters
+import numpy as np
+from annotated_types import Interval
+
+from plumbline.harness.case import Case, Check, Parameters, Positive
 from plumbline.harness.case.bounds import G, stays_finite
 from plumbline.harness.metrics import energy, errors, joints
 from plumbline.harness.scene import WORLD, Ball, Body, Scene
@@ -13,8 +16,8 @@ LENGTH, MASS, RADIUS = 1.0, 1.0, 0.05
 
 
 class P(Parameters):
-    tilt: float = 30.0
-    length: float = LENGTH
+    tilt: Annotated[float, Interval(gt=0, lt=90)] = 30.0
+    length: Positive = LENGTH
 
 
 def rate(tilt: float, length: float) -> float:

@@ -8,7 +8,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from plumbline.harness.case import Case, Check, Converged, Parameters
+from plumbline.harness.case import Case, Check, Converged, FloatCount, Parameters
 from plumbline.harness.case.bounds import G, stays_finite
 from plumbline.harness.metrics import ensemble, errors, joints
 from plumbline.harness.metrics.energy import energy_drift_final, energy_drift_max, energy_drift_staggered_max
@@ -27,7 +27,7 @@ class P(Parameters):
     upper: float = 120.0
     lower: float = 120.0
     """Degrees from the downward vertical: far above 90, where regular swings end."""
-    members: float = 8
+    members: FloatCount = 8
 
 
 def _starts(upper: float, lower: float, members: float) -> Floats:
@@ -95,6 +95,11 @@ def expected(time: Floats, p: P) -> Converged:
     return _reference(tuple(float(t) for t in time), p.upper, p.lower, p.members)
 
 
+def _alike(value: float) -> float:
+    """A number that chaos has worked on, to the three digits in which machines of other vector units agree."""
+    return float(f"{value:.3g}")
+
+
 @lru_cache(maxsize=8)
 def _position_per_step(p: P) -> float:
     """Largest error of position per dt [m/s] of the textbook's first-order methods up to the horizon."""
@@ -102,7 +107,7 @@ def _position_per_step(p: P) -> float:
     start = np.radians([p.upper, p.lower]).tolist()
     true = placed(times, true_motion(acceleration, start, [0.0, 0.0], times, 1e-12)).p_WB
     motions = (placed(times, y).p_WB for y in first_order_motions(acceleration, start, [0.0, 0.0], times, small))
-    return three_digits(max(float(np.linalg.norm(moved - true, axis=-1).max()) for moved in motions) / small)
+    return _alike(max(float(np.linalg.norm(moved - true, axis=-1).max()) for moved in motions) / small)
 
 
 @lru_cache(maxsize=8)
@@ -120,7 +125,7 @@ def _euler(dt: float, p: P) -> tuple[float, float]:
     kinetic = (MASS * np.sum(np.square(run.v_WB), axis=(1, 2)) + INERTIA * np.sum(np.square(run.w_WB), axis=(1, 2))) / 2
     energy = kinetic + MASS * G * run.p_WB[:, :, 2].sum(axis=1)
     fastest = float(np.linalg.norm(run.v_WB, axis=-1).max())
-    return three_digits(float(np.abs(energy - energy[0]).max() / kinetic.max())), three_digits(fastest)
+    return _alike(float(np.abs(energy - energy[0]).max() / kinetic.max())), _alike(fastest)
 
 
 @lru_cache(maxsize=8)
@@ -139,12 +144,7 @@ def _late(p: P) -> tuple[float, float]:
     late = ensemble.kinetic_energies(scene(p), run.between(PARTED, DURATION))
     instants = (MASS * np.sum(np.square(run.v_WB), axis=(1, 2)) + INERTIA * np.sum(np.square(run.w_WB), axis=(1, 2))) / 2
     chance = float(np.sqrt(2 * np.var(late, ddof=1) / len(late)) / late.mean())
-    return three_digits(chance), three_digits(float(instants.max() / late.sum()))
-
-
-def three_digits(value: float) -> float:
-    """In chaos the last bit of a sine reaches the fifth digit, and processors differ in it: bounds are the same on all."""
-    return float(f"{value:.3g}")
+    return _alike(chance), _alike(float(instants.max() / late.sum()))
 
 
 def _average(dt: float, p: P) -> float:

@@ -1,6 +1,9 @@
 """A rod that swings into the stop of its hinge: does the stop hold it, where it should and when it should?"""
 
+from typing import Annotated
+
 import numpy as np
+from annotated_types import Interval
 
 from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.case.bounds import G, stays_finite
@@ -16,7 +19,7 @@ INERTIA = box_inertia(MASS, HALF)[1][1] + MASS * D**2
 
 
 class P(Parameters):
-    amplitude: float = 80.0
+    amplitude: Annotated[float, Interval(gt=0, lt=180)] = 80.0
     stop: float = 20.0
     """Degrees from hanging: where the rod is released, and the stop, before the lowest point, so that weight holds it there."""
 

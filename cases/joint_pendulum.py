@@ -1,11 +1,12 @@
 """A pendulum on a hinge, released from rest: does it keep its period, its energy and its hinge?"""
 
 from functools import lru_cache
-from typing import Literal
+from typing import Annotated, Literal
 
 import numpy as np
+from annotated_types import Interval
 
-from plumbline.harness.case import Case, Check, Parameters
+from plumbline.harness.case import Case, Check, Parameters, Positive
 from plumbline.harness.case.bounds import G, stays_finite
 from plumbline.harness.metrics import energy, errors, joints, orbit
 from plumbline.harness.scene import (
@@ -30,12 +31,12 @@ RADIUS = 0.05
 
 
 class P(Parameters):
-    amplitude: float = 30.0
+    amplitude: Annotated[float, Interval(gt=0, lt=180)] = 30.0
     """Degrees. The error of second order in a staggered integrator's period changes sign near 90 degrees, where an order fitted
     to it would be a fluke; at 30 it is nearly as large as it gets."""
     kind: Kind = "rod"
-    length: float = 1.0
-    mass: float = 1.0
+    length: Positive = 1.0
+    mass: Positive = 1.0
 
 
 def _body(kind: Kind, length: float, mass: float) -> tuple[Body, float]:

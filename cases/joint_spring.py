@@ -4,7 +4,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from plumbline.harness.case import Axis, Case, Check, Parameters
+from plumbline.harness.case import Axis, Case, Check, Parameters, Positive
 from plumbline.harness.case.bounds import stays_finite
 from plumbline.harness.metrics import errors
 from plumbline.harness.metrics.joints import joint_gap_max
@@ -22,7 +22,7 @@ HALF = (0.1, 0.1, 0.1)
 class P(Parameters):
     ratios: tuple[float, ...] = (0.1, 1.0, 2.0)
     """Damping over critical damping: it swings, it just does not, it creeps."""
-    rate: float = RATE
+    rate: Positive = RATE
     stretch: float = STRETCH
 
 

@@ -7,8 +7,10 @@ a drift: it keeps the size and the shape of the orbit for ever and errs in phase
 import math
 from dataclasses import replace
 from functools import lru_cache
+from typing import Annotated
 
 import numpy as np
+from annotated_types import Interval
 
 from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.case.bounds import stays_finite
@@ -26,7 +28,7 @@ RATE = 2 * np.pi / PERIOD_TIME
 
 
 class P(Parameters):
-    eccentricity: float = 0.5
+    eccentricity: Annotated[float, Interval(gt=0, lt=1)] = 0.5
 
 
 def scene(p: P) -> Scene:

@@ -3,7 +3,7 @@
 Nothing acts but weight and support, so nothing moves. What moves is the engine's jitter.
 """
 
-from plumbline.harness.case import Case, Check, Parameters
+from plumbline.harness.case import Case, Check, FloatCount, NotNegative, Parameters
 from plumbline.harness.case.bounds import G
 from plumbline.harness.metrics import contacts, jitter
 from plumbline.harness.scene import Body, Scene, Surface
@@ -17,8 +17,8 @@ SHARE = 0.01
 
 
 class P(Parameters):
-    n: float = 5
-    friction: float = 0.5
+    n: FloatCount = 5
+    friction: NotNegative = 0.5
 
 
 def scene(p: P) -> Scene:

@@ -1,6 +1,6 @@
 """One body on the ground: how deep does it sink in, and does the ground bear its weight?"""
 
-from plumbline.harness.case import Case, Check, Parameters
+from plumbline.harness.case import Case, Check, NotNegative, Parameters
 from plumbline.harness.case.bounds import GIVE, G, bears, settled_speed, supported
 from plumbline.harness.metrics import contact_residuals, contacts, jitter
 from plumbline.harness.scene import (
@@ -30,7 +30,7 @@ UNTURNED: Quaternion = (1.0, 0.0, 0.0, 0.0)
 
 class P(Parameters):
     shape: str = "box"
-    friction: float = 0.5
+    friction: NotNegative = 0.5
 
 
 def scene(p: P) -> Scene:

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from plumbline.harness.case import Case, Check, Parameters
+from plumbline.harness.case import Case, Check, NotNegative, Parameters
 from plumbline.harness.case.bounds import SINGLE, stays_finite
 from plumbline.harness.metrics import depth_noise, pictures
 from plumbline.harness.scene import (
@@ -56,7 +56,7 @@ PHASE = TimeOfFlightNoise(
 
 
 class P(Parameters):
-    infrared: float = 0.1
+    infrared: NotNegative = 0.1
 
 
 def _fixture(name: str, shape: Shape, p_WB: Vector3, look: Appearance) -> Body:

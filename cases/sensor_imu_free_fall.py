@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from plumbline.harness.case import Case, Check, Parameters
+from plumbline.harness.case import Case, Check, NotNegative, Parameters
 from plumbline.harness.case.bounds import SINGLE, G, stays_finite
 from plumbline.harness.metrics.inertial_readings import accelerometer_ideal_error, gyroscope_ideal_error
 from plumbline.harness.scene import Body, Imu, Scene, axis_angle
@@ -17,7 +17,7 @@ MOUNTING = axis_angle((1.0, 2.0, -0.5), 0.7)
 
 class P(Parameters):
     speed: float = 5.0
-    spin: float = 2.0
+    spin: NotNegative = 2.0
 
 
 def _scene(p: P) -> Scene:

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from plumbline.harness.case import Case, Check, Parameters, Step
+from plumbline.harness.case import Case, Check, Parameters, Positive, Step
 from plumbline.harness.case.bounds import stays_finite
 from plumbline.harness.case.forces import Control
 from plumbline.harness.metrics.inertial_readings import accelerometer_lag_error, gyroscope_lag_error, time_stamp_error
@@ -21,7 +21,7 @@ MOUNTING = axis_angle((1.0, 2.0, -0.5), 0.7)
 
 
 class P(Parameters):
-    frequency: float = FREQUENCY
+    frequency: Positive = FREQUENCY
 
 
 def _scene(_: P) -> Scene:

@@ -5,7 +5,7 @@ from functools import partial
 
 import numpy as np
 
-from plumbline.harness.case import Case, Check, Parameters
+from plumbline.harness.case import Case, Check, NotNegative, Parameters
 from plumbline.harness.case.bounds import SINGLE, stays_finite
 from plumbline.harness.metrics import allan, inertial_noise, inertial_readings
 from plumbline.harness.scene import AxisNoise, Body, Imu, ImuNoise, Scene, axis_angle
@@ -22,8 +22,8 @@ ACCELEROMETER = AxisNoise(density=2e-3, bias=0.2, instability=1e-2, instability_
 
 
 class P(Parameters):
-    spin: float = 2.0
-    lever: float = 0.3
+    spin: NotNegative = 2.0
+    lever: NotNegative = 0.3
 
 
 def _scene(p: P) -> Scene:

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from plumbline.harness.case import Case, Check, Parameters
+from plumbline.harness.case import Case, Check, Parameters, Positive
 from plumbline.harness.case.bounds import SINGLE, G, stays_finite
 from plumbline.harness.case.forces import Control
 from plumbline.harness.metrics.inertial_readings import accelerometer_ideal_error, gyroscope_ideal_error, inertial_readout_error
@@ -30,7 +30,7 @@ GYROSCOPE = AxisNoise(quantisation=0.02, saturation=4.0, scale_error=-0.03, misa
 
 
 class P(Parameters):
-    spin_up: float = SPIN_UP
+    spin_up: Positive = SPIN_UP
 
 
 def _scene(_: P) -> Scene:

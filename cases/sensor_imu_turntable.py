@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from plumbline.harness.case import Case, Check, Parameters
+from plumbline.harness.case import Case, Check, NotNegative, Parameters, Positive
 from plumbline.harness.case.bounds import SINGLE, G, stays_finite
 from plumbline.harness.case.forces import Control
 from plumbline.harness.metrics.inertial_readings import accelerometer_ideal_error, gyroscope_ideal_error
@@ -19,8 +19,8 @@ MOUNTING = axis_angle((1.0, 2.0, -0.5), 0.7)
 
 
 class P(Parameters):
-    spin_up: float = SPIN_UP
-    lever: float = LEVER
+    spin_up: Positive = SPIN_UP
+    lever: NotNegative = LEVER
 
 
 def _scene(p: P) -> Scene:

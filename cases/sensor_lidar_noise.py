@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from plumbline.harness.case import Case, Check, Parameters
+from plumbline.harness.case import Case, Check, Count, Parameters
 from plumbline.harness.case.bounds import SINGLE, stays_finite
 from plumbline.harness.metrics import range_error, range_noise
 from plumbline.harness.scene import (
@@ -39,8 +39,8 @@ GRAZING = 0.015
 
 
 class P(Parameters):
-    channels: int = 32
-    columns: int = 360
+    channels: Count = 32
+    columns: Count = 360
     tilt: float = 0.1
 
 

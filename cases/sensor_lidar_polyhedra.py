@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from plumbline.harness.case import Case, Check, Parameters
+from plumbline.harness.case import Case, Check, Count, Parameters
 from plumbline.harness.case.bounds import SINGLE, stays_finite
 from plumbline.harness.metrics import range_error
 from plumbline.harness.scene import WORLD, Body, ConvexHull, Lidar, Quaternion, Scene, TriangleMesh, Vector3, axis_angle
@@ -25,8 +25,8 @@ FACES = ((0, 2, 4), (2, 1, 4), (1, 3, 4), (3, 0, 4), (2, 0, 5), (1, 2, 5), (3, 1
 
 
 class P(Parameters):
-    channels: int = 16
-    columns: int = 180
+    channels: Count = 16
+    columns: Count = 180
 
 
 def _scene(p: P) -> Scene:

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from plumbline.harness.case import Case, Check, Parameters
+from plumbline.harness.case import Case, Check, NotNegative, Parameters
 from plumbline.harness.case.bounds import SINGLE, stays_finite
 from plumbline.harness.metrics import inertial_readings, range_error
 from plumbline.harness.scene import (
@@ -35,7 +35,7 @@ GRAZING = 0.1
 
 
 class P(Parameters):
-    turning: float = 3.0
+    turning: NotNegative = 3.0
 
 
 def _scene(p: P) -> Scene:

@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from plumbline.harness.case import Case, Check, Parameters
+from plumbline.harness.case import Case, Check, Count, Parameters
 from plumbline.harness.case.bounds import stays_finite
 from plumbline.harness.metrics import range_error
 from plumbline.harness.scene import (
@@ -34,8 +34,8 @@ EXACT = 1e-9
 
 
 class P(Parameters):
-    channels: int = 32
-    columns: int = 360
+    channels: Count = 32
+    columns: Count = 360
 
 
 def _fixture(name: str, shape: Shape, p_WB: Vector3, q_WB: Quaternion = UNTURNED, reflectivity: float = 1.0) -> Body:

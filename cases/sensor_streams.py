@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from plumbline.harness.case import Case, Check, Parameters
+from plumbline.harness.case import Case, Check, NotNegative, Parameters
 from plumbline.harness.case.bounds import stays_finite
 from plumbline.harness.metrics import inertial_noise, inertial_readings, range_noise
 from plumbline.harness.scene import WORLD, AxisNoise, Body, Imu, ImuNoise, Lidar, LidarNoise, Plane, Scene, axis_angle
@@ -16,7 +16,7 @@ ACCELEROMETER = AxisNoise(
 
 
 class P(Parameters):
-    density: float = GYROSCOPE.density
+    density: NotNegative = GYROSCOPE.density
 
 
 def _scene(p: P) -> Scene:

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from plumbline.harness.case import Axis, Case, Check, Parameters
+from plumbline.harness.case import Axis, Case, Check, Parameters, Positive
 from plumbline.harness.case.bounds import stays_finite
 from plumbline.harness.metrics import energy, errors, momentum
 from plumbline.harness.scene import Body, Box, PlacedShape, Scene, box_inertia
@@ -17,7 +17,7 @@ MASS = 0.03
 
 
 class P(Parameters):
-    speed: float = 100.0
+    speed: Positive = 100.0
     direction: Vector3 = (0.8, 0.1, 0.59)
 
 

@@ -1,8 +1,11 @@
 """A disc that spins on a ball joint under gravity: does it precess steadily, and without nutation?"""
 
-import numpy as np
+from typing import Annotated
 
-from plumbline.harness.case import Axis, Case, Check, Parameters
+import numpy as np
+from annotated_types import Interval
+
+from plumbline.harness.case import Axis, Case, Check, Parameters, Positive
 from plumbline.harness.case.bounds import G, stays_finite
 from plumbline.harness.metrics import energy, errors, joints
 from plumbline.harness.metrics.spin import nutation_amplitude, precession_rate_error
@@ -17,8 +20,8 @@ ACROSS, ALONG = MASS * RADIUS**2 / 4 + MASS * LENGTH**2, MASS * RADIUS**2 / 2
 
 
 class P(Parameters):
-    tilt: float = 30.0
-    spin: float = 200.0
+    tilt: Annotated[float, Interval(gt=0, lt=90)] = 30.0
+    spin: Positive = 200.0
 
 
 def precession(p: P) -> float:

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from plumbline.harness.case import Case, Check, Parameters
+from plumbline.harness.case import Case, Check, Parameters, Positive
 from plumbline.harness.case.bounds import SINGLE, stays_finite
 from plumbline.harness.metrics import energy, errors
 from plumbline.harness.scene import Body, Effect, Scene, box_inertia
@@ -18,7 +18,7 @@ class P(Parameters):
     spin: float = SPIN
     half_extents: Vector3 = (0.2, 0.15, 0.05)
     """Half extents of the boxes [m]: three different moments."""
-    mass: float = 1.0
+    mass: Positive = 1.0
 
 
 def _scene(p: P) -> Scene:

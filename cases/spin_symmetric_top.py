@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from plumbline.harness.case import Case, Check, Parameters
+from plumbline.harness.case import Case, Check, Parameters, Positive
 from plumbline.harness.case.bounds import stays_finite
 from plumbline.harness.metrics import energy, errors
 from plumbline.harness.metrics.momentum import angular_momentum_drift_max
@@ -21,8 +21,8 @@ SPIN = (0.6, 0.0, 1.0)
 
 
 class P(Parameters):
-    across: float = ACROSS
-    along: float = ALONG
+    across: Positive = ACROSS
+    along: Positive = ALONG
     spin: Vector3 = SPIN
 
 

@@ -8,10 +8,12 @@ Sci. 11 (1969) 363; Cocchetti, Colasante, Rizzi, Appl. Mech. Rev. 64 (2011) 0508
 """
 
 import math
+from typing import Annotated
 
 import numpy as np
+from annotated_types import Ge
 
-from plumbline.harness.case import Axis, Case, Parameters
+from plumbline.harness.case import Axis, Case, NotNegative, Parameters, Positive
 from plumbline.harness.case.bounds import settled_speed, stands, supported
 from plumbline.harness.metrics import contacts, jitter, stack
 from plumbline.harness.scene import (
@@ -33,9 +35,9 @@ SETTLED, DURATION = 1.0, 2.0
 
 
 class P(Parameters):
-    thickness: float = THICKNESS
-    blocks: float = 9
-    friction: float = FRICTION
+    thickness: Positive = THICKNESS
+    blocks: Annotated[float, Ge(2)] = 9
+    friction: NotNegative = FRICTION
 
 
 def voussoir(thickness: float, blocks: int) -> tuple[Floats, float]:

@@ -11,7 +11,7 @@ import math
 
 import numpy as np
 
-from plumbline.harness.case import Case, Check, Parameters
+from plumbline.harness.case import Case, Check, FloatCount, NotNegative, Parameters
 from plumbline.harness.case.bounds import GIVE, G, bears, settled_speed, stays_finite, supported
 from plumbline.harness.metrics import contacts, energy, jitter, threading
 from plumbline.harness.scene import (
@@ -49,8 +49,8 @@ SHARE = 0.01
 
 
 class P(Parameters):
-    n: float = 3
-    friction: float = 0.5
+    n: FloatCount = 3
+    friction: NotNegative = 0.5
     form: str = "pieces"
     seed: int = 0
 

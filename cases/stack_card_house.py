@@ -7,7 +7,7 @@ Source: Beer, Johnston, Vector Mechanics: Statics, 12th ed., sections 6.3 and 8.
 
 import math
 
-from plumbline.harness.case import Axis, Case, Check, Parameters
+from plumbline.harness.case import Axis, Case, Check, Parameters, Share
 from plumbline.harness.metrics import contacts, statics
 from plumbline.harness.scene import Body, Box, Effect, PlacedShape, Scene, Surface, axis_angle, box_inertia
 
@@ -19,7 +19,7 @@ SPACING, DURATION = 2.0, 2.0
 
 
 class P(Parameters):
-    margin: float = 0.1
+    margin: Share = 0.1
     angle: float = 20.0
     """Share of the critical friction by which one house has more and the other less; angle of a card to the vertical [deg]."""
 

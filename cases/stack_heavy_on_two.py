@@ -2,7 +2,7 @@
 
 import math
 
-from plumbline.harness.case import Axis, Case, Check, Parameters
+from plumbline.harness.case import Axis, Case, Check, NotNegative, Parameters, Positive
 from plumbline.harness.case.bounds import G, settled_speed, stands, supported
 from plumbline.harness.metrics import contacts, jitter, stack
 from plumbline.harness.scene import Body, Box, Effect, PlacedShape, Scene, Surface, box_inertia
@@ -17,9 +17,9 @@ SETTLED, DURATION = 1.0, 2.0
 
 
 class P(Parameters):
-    ratio: float = 400.0
-    friction: float = 0.5
-    drop: float = 0.02
+    ratio: Positive = 400.0
+    friction: NotNegative = 0.5
+    drop: NotNegative = 0.02
 
 
 def scene(p: P) -> Scene:

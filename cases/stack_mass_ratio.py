@@ -4,7 +4,7 @@ The contact at the ground must carry ratio + 1 times the weight of the body that
 contact passes on, each time, only what the light body alone can take.
 """
 
-from plumbline.harness.case import Axis, Case, Check, Parameters
+from plumbline.harness.case import Axis, Case, Check, NotNegative, Parameters, Positive
 from plumbline.harness.case.bounds import GIVE, G, settled_speed, stands, supported
 from plumbline.harness.metrics import contacts, jitter, stack
 from plumbline.harness.scene import Body, Box, PlacedShape, Scene, Surface, box_inertia
@@ -18,8 +18,8 @@ default constraint force mixing. A contact gives by that share, times the load t
 
 
 class P(Parameters):
-    ratio: float = 1000.0
-    friction: float = 0.5
+    ratio: Positive = 1000.0
+    friction: NotNegative = 0.5
 
 
 def scene(p: P) -> Scene:

@@ -6,7 +6,7 @@ together: the centre of mass of all bricks above any edge lies (factor - 1)/2 le
 Source: Hall, Fun with Stacking Blocks, Am. J. Phys. 73 (2005) 1107.
 """
 
-from plumbline.harness.case import Axis, Case, Check, Parameters
+from plumbline.harness.case import Axis, Case, Check, FloatCount, NotNegative, Parameters
 from plumbline.harness.case.bounds import stays_finite
 from plumbline.harness.metrics import contacts, statics
 from plumbline.harness.scene import Body, Box, Effect, Scene, Surface
@@ -20,9 +20,9 @@ SPACING, DURATION = 1.0, 1.5
 
 
 class P(Parameters):
-    n: float = 4
+    n: FloatCount = 4
     factors: tuple[float, ...] = FACTORS
-    friction: float = 0.5
+    friction: NotNegative = 0.5
 
 
 def scene(p: P) -> Scene:

@@ -4,7 +4,7 @@ No mechanics begins like this, but designers do. What a rigid body can do is to 
 rest where they touch: an overlap is an error of position, and holds no energy.
 """
 
-from plumbline.harness.case import Axis, Case, Check, Parameters
+from plumbline.harness.case import Axis, Case, Check, NotNegative, Parameters
 from plumbline.harness.case.bounds import G, bears, settled_speed
 from plumbline.harness.metrics import jitter, overlaps, stack
 from plumbline.harness.scene import Body, Scene, Surface
@@ -15,8 +15,8 @@ SETTLED, DURATION = 2.0, 3.0
 
 
 class P(Parameters):
-    overlap: float = 0.25
-    friction: float = 0.5
+    overlap: NotNegative = 0.25
+    friction: NotNegative = 0.5
 
 
 def _boxes(overlap: float) -> tuple[Body, Body]:

@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 
-from plumbline.harness.case import Axis, Case, Check, Parameters
+from plumbline.harness.case import Axis, Case, Check, FloatCount, NotNegative, Parameters
 from plumbline.harness.case.bounds import settled_speed, stays_finite
 from plumbline.harness.metrics import equivalence, jitter, overlaps
 from plumbline.harness.props.robots.container import container
@@ -21,10 +21,10 @@ SETTLED, DURATION = 0.5, 1.0
 
 
 class P(Parameters):
-    n: float = 20
+    n: FloatCount = 20
     """A hundred balls take some engines a second a step; the numbers beyond belong to the axis and to the study of scaling."""
-    friction: float = 0.5
-    worlds: float = 1
+    friction: NotNegative = 0.5
+    worlds: FloatCount = 1
 
 
 def side(n: int) -> int:

@@ -8,7 +8,7 @@ is for: an engine whose solver takes the cube of the number of contacts needs a 
 import math
 from collections.abc import Iterator
 
-from plumbline.harness.case import Axis, Case, Check, Parameters
+from plumbline.harness.case import Axis, Case, Check, FloatCount, NotNegative, Parameters
 from plumbline.harness.case.bounds import GIVE, G, settled_speed, stands, supported
 from plumbline.harness.metrics import contacts, jitter, stack
 from plumbline.harness.scene import (
@@ -35,8 +35,8 @@ PLACE = 10.0
 
 
 class P(Parameters):
-    rows: float = 3
-    friction: float = 0.5
+    rows: FloatCount = 3
+    friction: NotNegative = 0.5
 
 
 def bricks(rows: int) -> Iterator[Body]:

@@ -5,7 +5,7 @@ What has been stirred lies in no packing that anybody chose: contacts come and g
 
 import numpy as np
 
-from plumbline.harness.case import Case, Check, Parameters
+from plumbline.harness.case import Case, Check, FloatCount, NotNegative, Parameters
 from plumbline.harness.case.bounds import settled_speed, stays_finite
 from plumbline.harness.case.forces import Control
 from plumbline.harness.metrics import jitter, overlaps
@@ -22,8 +22,8 @@ PUSH, TWIST = 15.0, 0.15
 
 
 class P(Parameters):
-    n: float = 18
-    friction: float = 0.5
+    n: FloatCount = 18
+    friction: NotNegative = 0.5
     seed: int = 0
 
 

@@ -3,7 +3,7 @@
 A box that creeps by a micrometre a second passes every check of a few seconds; here it has left its place by half a millimetre.
 """
 
-from plumbline.harness.case import Case, Check, Parameters
+from plumbline.harness.case import Case, Check, FloatCount, NotNegative, Parameters
 from plumbline.harness.case.bounds import GIVE, G, settled_speed, stands
 from plumbline.harness.metrics import energy, jitter, stack
 from plumbline.harness.scene import Body, Scene, Surface
@@ -14,8 +14,8 @@ DURATION, SETTLED = 600.0, 60.0
 
 
 class P(Parameters):
-    n: float = 4
-    friction: float = 0.5
+    n: FloatCount = 4
+    friction: NotNegative = 0.5
 
 
 def scene(p: P) -> Scene:

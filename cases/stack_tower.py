@@ -1,6 +1,6 @@
 """A tower of n boxes, built exactly touching: does it stand, at its height, with its weight on the ground?"""
 
-from plumbline.harness.case import Axis, Case, Check, Parameters
+from plumbline.harness.case import Axis, Case, Check, FloatCount, NotNegative, Parameters
 from plumbline.harness.case.bounds import GIVE, G, settled_speed, supported
 from plumbline.harness.metrics import contact_residuals, contacts, stack
 from plumbline.harness.scene import Body, Scene, Surface
@@ -13,8 +13,8 @@ STEADY = 1.0
 
 
 class P(Parameters):
-    n: float = 10
-    friction: float = 0.5
+    n: FloatCount = 10
+    friction: NotNegative = 0.5
 
 
 def scene(p: P) -> Scene:

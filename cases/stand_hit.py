@@ -8,7 +8,7 @@ from functools import cache
 
 import numpy as np
 
-from plumbline.harness.case import Axis, Case, Check, Parameters
+from plumbline.harness.case import Axis, Case, Check, NotNegative, Parameters, Positive
 from plumbline.harness.case.bounds import GIVE, stays_finite
 from plumbline.harness.metrics import energy, joints, momentum, overlaps, vibration
 from plumbline.harness.props.robots.quadruped import STIFFNESS, TRUNK_HALF, quadruped
@@ -30,9 +30,9 @@ TURN = 0.4
 class P(Parameters):
     speed: float = SPEED
     spin: float = SPIN
-    friction: float = 0.5
-    stiffness: float = STIFFNESS
-    damping: float = 0.5
+    friction: NotNegative = 0.5
+    stiffness: Positive = STIFFNESS
+    damping: NotNegative = 0.5
 
 
 def scene(p: P) -> Scene:

@@ -3,7 +3,7 @@
 What moves is the engine's: too few iterations of its solver, drives that fight the contacts, or too long a step.
 """
 
-from plumbline.harness.case import Axis, Case, Check, Parameters
+from plumbline.harness.case import Axis, Case, Check, NotNegative, Parameters, Positive
 from plumbline.harness.case.bounds import G, supported
 from plumbline.harness.case.standing import feet_stay, holds_its_pose, stands_up, still
 from plumbline.harness.metrics import contacts, jitter, joints, vibration
@@ -20,8 +20,8 @@ STEADY = 1.0
 
 
 class P(Parameters):
-    stiffness: float = 1.0
-    friction: float = 0.8
+    stiffness: Positive = 1.0
+    friction: NotNegative = 0.8
 
 
 def scene(p: P) -> Scene:

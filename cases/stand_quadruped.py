@@ -1,6 +1,6 @@
 """Quadrupeds that hold themselves up: n machines side by side, each in the pose in which its PD drives bear its weight."""
 
-from plumbline.harness.case import Axis, Case, Check, Parameters
+from plumbline.harness.case import Axis, Case, Check, FloatCount, NotNegative, Parameters, Positive
 from plumbline.harness.case.bounds import G
 from plumbline.harness.case.standing import SHARE, feet_stay, holds_its_pose, stands_up, still
 from plumbline.harness.metrics import contacts, jitter, joints, vibration
@@ -16,10 +16,10 @@ STEADY = 1.0
 
 
 class P(Parameters):
-    n: float = 1
-    stiffness: float = STIFFNESS
-    damping: float = DAMPING
-    friction: float = 0.8
+    n: FloatCount = 1
+    stiffness: Positive = STIFFNESS
+    damping: NotNegative = DAMPING
+    friction: NotNegative = 0.8
 
 
 def scene(p: P) -> Scene:

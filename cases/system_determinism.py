@@ -9,7 +9,7 @@ solver that sweeps through them ends, after a finite number of sweeps, with an a
 
 import numpy as np
 
-from plumbline.harness.case import Case, Check, Parameters
+from plumbline.harness.case import Case, Check, FloatCount, Parameters
 from plumbline.harness.case.bounds import stays_finite
 from plumbline.harness.case.symmetries import Retelling, reordered, repeated, restored
 from plumbline.harness.metrics.equivalence import AGREEING_SAMPLES, DIFFERENCE, POSITION_DIFFERENCE
@@ -21,7 +21,7 @@ FLOOR = (2.0, 2.0, 0.5)
 
 
 class P(Parameters):
-    n: float = 6
+    n: FloatCount = 6
     seed: int = 0
 
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from plumbline.harness.case import Axis, Case, Check, Parameters
+from plumbline.harness.case import Axis, Case, Check, NotNegative, Parameters
 from plumbline.harness.case.bounds import stays_finite
 from plumbline.harness.case.symmetries import Retelling, moved
 from plumbline.harness.metrics.equivalence import ATTITUDE_DIFFERENCE, POSITION_DIFFERENCE
@@ -13,7 +13,7 @@ DURATION = 1.0
 
 
 class P(Parameters):
-    origin: float = 1e6
+    origin: NotNegative = 1e6
 
 
 def scene(_: P) -> Scene:

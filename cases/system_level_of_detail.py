@@ -20,7 +20,7 @@ from itertools import combinations
 
 import numpy as np
 
-from plumbline.harness.case import Case, Check, Parameters
+from plumbline.harness.case import Case, Check, FloatCount, Parameters, Positive
 from plumbline.harness.case.bounds import GIVE, G, stays_finite
 from plumbline.harness.metrics import cam_follower, errors
 from plumbline.harness.scene import (
@@ -48,10 +48,10 @@ DURATION = math.pi
 
 
 class P(Parameters):
-    n: float = 4
+    n: FloatCount = 4
     facets: float = 320
     geometry: str = "hull"
-    rate: float = 2.0
+    rate: Positive = 2.0
     seed: int = 0
 
 
@@ -215,6 +215,7 @@ CASE = Case(
             "before a contact can push, a follower falls for one step, g dt^2; where facets change, the new corner "
             "goes up faster than the old one by 2 W r sin(c) at most, each being W r sin(c) off the ball's own speed, and so "
             "into the face for a step; and a millimetre, which a contact may give way under weight",
+            another_truth="the truth is that of the ball, and the gap that to the facets of this scene",
         ),
         Check(
             errors.position_error_max,

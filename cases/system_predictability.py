@@ -7,7 +7,7 @@ than the start decides in its place.
 
 import numpy as np
 
-from plumbline.harness.case import Axis, Case, Check, Parameters
+from plumbline.harness.case import Axis, Case, Check, FloatCount, Parameters, Positive
 from plumbline.harness.case.bounds import G, stays_finite
 from plumbline.harness.metrics import balance
 from plumbline.harness.scene import Body, Scene, Sphere, Surface
@@ -25,8 +25,8 @@ JUDGED = 0.2
 
 
 class P(Parameters):
-    starts: float = 100
-    nearest: float = 1e-9
+    starts: FloatCount = 100
+    nearest: Positive = 1e-9
     seed: int = 0
 
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from plumbline.harness.case import Case, Check, Parameters, Rays
+from plumbline.harness.case import Case, Check, FloatCount, Parameters, Rays
 from plumbline.harness.case.bounds import SINGLE, stays_finite
 from plumbline.harness.metrics.range_error import range_error_max, range_error_median, range_false_return_share
 from plumbline.harness.scene import Body, Box, Capsule, Cylinder, Plane, Scene, Shape, Sphere, axis_angle, box_inertia
@@ -28,7 +28,7 @@ ROUNDING = 8 * SINGLE * REACH
 
 class P(Parameters):
     pattern: str = "lidar"
-    thin: float = 1
+    thin: FloatCount = 1
 
 
 def scene(_: P) -> Scene:

@@ -4,7 +4,7 @@ With times and speeds that go with the root of the length, every ratio of forces
 kilometre is a length, a speed or a time of the engine's own: a margin, a slop, a threshold, a clamp, a contact's softness.
 """
 
-from plumbline.harness.case import Axis, Case, Check, Parameters
+from plumbline.harness.case import Axis, Case, Check, Parameters, Positive
 from plumbline.harness.case.bounds import stays_finite
 from plumbline.harness.case.symmetries import Retelling, scaled
 from plumbline.harness.metrics.equivalence import ATTITUDE_DIFFERENCE, POSITION_DIFFERENCE
@@ -17,7 +17,7 @@ SINGLE = 1e-6
 
 
 class P(Parameters):
-    scale: float = 1000.0
+    scale: Positive = 1000.0
 
 
 def scene(_: P) -> Scene:

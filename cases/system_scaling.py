@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 
-from plumbline.harness.case import Axis, Case, Check, Parameters
+from plumbline.harness.case import Axis, Case, Check, FloatCount, Parameters
 from plumbline.harness.case.bounds import stays_finite
 from plumbline.harness.case.forces import Control
 from plumbline.harness.metrics import errors, joints, overlaps
@@ -25,7 +25,7 @@ PUSH, TWIST = 5.0, 0.2
 
 class P(Parameters):
     kind: str = "contact"
-    n: float = 10
+    n: FloatCount = 10
     seed: int = 0
 
 

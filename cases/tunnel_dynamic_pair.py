@@ -7,7 +7,7 @@ Source: Ericson, Real-Time Collision Detection, sections 2.4.3 and 5.5.5 (two mo
 
 import numpy as np
 
-from plumbline.harness.case import Axis, Case, Check, Parameters
+from plumbline.harness.case import Axis, Case, Check, Count, Parameters, Positive
 from plumbline.harness.case.bounds import stays_finite
 from plumbline.harness.metrics import momentum, passage
 from plumbline.harness.scene import Body, Effect, Scene, Surface
@@ -19,8 +19,8 @@ SPACING, CLEARANCE, DURATION = 1.0, 0.05, 0.25
 
 
 class P(Parameters):
-    speed: float = 50.0
-    phases: int = 64
+    speed: Positive = 50.0
+    phases: Count = 64
     continuous: bool = True
     seed: int = 0
 

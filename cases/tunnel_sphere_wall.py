@@ -8,7 +8,7 @@ Source: Ericson, Real-Time Collision Detection, section 2.4.3; Wilson, J. Amer. 
 
 import numpy as np
 
-from plumbline.harness.case import Axis, Case, Check, Parameters
+from plumbline.harness.case import Axis, Case, Check, Count, Parameters, Positive
 from plumbline.harness.metrics import passage, tunnelling
 from plumbline.harness.scene import Body, Box, Effect, Scene, Surface
 from plumbline.harness.trajectory import Floats, Trajectory
@@ -19,9 +19,9 @@ SPACING, CLEARANCE, DURATION = 1.0, 0.05, 0.25
 
 
 class P(Parameters):
-    speed: float = 50.0
-    phases: int = 64
-    thickness: float = THICKNESS
+    speed: Positive = 50.0
+    phases: Count = 64
+    thickness: Positive = THICKNESS
     continuous: bool = True
     seed: int = 0
 

@@ -11,7 +11,7 @@ import math
 
 import numpy as np
 
-from plumbline.harness.case import Axis, Case, Check, Parameters
+from plumbline.harness.case import Axis, Case, Check, Count, Parameters, Positive
 from plumbline.harness.case.bounds import G, stays_finite
 from plumbline.harness.metrics import passage
 from plumbline.harness.scene import Body, Box, Effect, Scene, Surface, TriangleMesh
@@ -28,10 +28,10 @@ OFF_EDGE = 0.37
 
 
 class P(Parameters):
-    speed: float = 20.0
+    speed: Positive = 20.0
     slide: float = SLIDE
-    phases: int = PHASES
-    thickness: float = 0.01
+    phases: Count = PHASES
+    thickness: Positive = 0.01
     continuous: bool = True
     seed: int = 0
 

@@ -3,7 +3,7 @@
 import json
 from collections.abc import Sequence
 
-__all__ = ["DOMINANCE", "SCALING", "TREMBLE", "WITHIN", "determinism", "effects", "limits"]
+__all__ = ["DOMINANCE", "ONE_CASE", "SCALING", "TREMBLE", "WITHIN", "determinism", "effects", "limits"]
 
 COMPILED = ("mujoco", "bullet")
 """Engines that come compiled, and answer soonest."""
@@ -11,6 +11,14 @@ WITHIN = 1.1
 """How close the bracket of a limit is asked to be: the ratio of its ends."""
 FEWER = 16
 """Spheres at a wall, a quarter of the case's own, which all cost alike: it is asked where the first one gets through."""
+ONE_CASE = """
+name = "few"
+recordings = false
+[[experiments]]
+name = "look"
+cases = ["friction_stop"]
+timing = false
+"""
 SCALING = """
 name = "small-scaling"
 recordings = false

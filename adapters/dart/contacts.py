@@ -7,6 +7,8 @@ import numpy as np
 
 from plumbline.adapters.dart.built import Built
 from plumbline.adapters.dart.vendor import body_of
+from plumbline.harness.scene import Plane, rotation_matrix
+from plumbline.harness.scene.support import support
 from plumbline.harness.trajectory import Contacts, Floats
 
 MOST_CONTACTS = 1000
@@ -35,8 +37,45 @@ def reported(built: Built) -> Contacts:
             rows.append((a, b, contact.point, contact.normal, -contact.penetrationDepth, contact.force))
     if not rows:
         return Contacts.none()
-    a_, b_, point, normal, gap, force = zip(*rows, strict=True)
-    return Contacts.of(a_, b_, np.array(point), np.array(normal), np.array(gap), np.array(force))
+    a_, b_, _, normal, gap, force = zip(*rows, strict=True)
+    middle = [half_way(built, *row[:5]) for row in rows]
+    return Contacts.of(a_, b_, np.array(middle), np.array(normal), np.array(gap), np.array(force))
+
+
+def half_way(built: Built, a: int, b: int, point: Floats, normal: Floats, gap: float) -> Floats:
+    """The point between both surfaces [m], of one that a detector may tell on either.
+
+    ODE's detector tells the corner of a box or the lowest point of a ball on a plane, and the middle of two balls; FCL's and
+    DART's own differ pair by pair. Where a body ends along the normal its surface is, if it is convex: the point is taken to be
+    on the surface that it is next to, and stays as it is if it is next to none.
+
+    Args: a, b: bodies, the normal from a to b. gap [m]: below 0 in penetration.
+    """
+    height = float(normal @ point)
+    surfaces = [(_end(built, a, normal), gap / 2), (_end(built, b, -normal), -gap / 2)]
+    for end, inwards in ((end if inwards == gap / 2 else -end, inwards) for end, inwards in surfaces if end is not None):
+        for surface in (end, end + 2 * inwards):
+            if abs(height - surface) < abs(gap) / 8:
+                return np.asarray(point + (end + inwards - height) * normal)
+    return point
+
+
+def _end(built: Built, body: int, normal: Floats) -> float | None:
+    """How far a body reaches along a direction of W, from the origin of W [m]; None where it has no end there."""
+    transform = built.nodes[body].getWorldTransform()
+    along_B = transform.rotation().T @ normal
+    ends = []
+    for placed in built.scene.bodies[body].collision:
+        R_BS = rotation_matrix(placed.q_BS)
+        own = np.array(R_BS).T @ along_B
+        if isinstance(placed.shape, Plane):
+            if own @ np.array(placed.shape.normal) < 1.0 - 1e-9:
+                return None
+            reach = 0.0
+        else:
+            reach = float(support(placed.shape, own))
+        ends.append(along_B @ np.array(placed.p_BS) + reach)
+    return float(normal @ transform.translation() + max(ends)) if ends else None
 
 
 class LastSeen:

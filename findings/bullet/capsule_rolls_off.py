@@ -5,14 +5,14 @@
 # [tool.finding]
 # engine = "bullet"
 # kind = "limit"
-# title = "A capsule at rest on a flat box rolls off, in most directions of its axis"
+# title = "A capsule at rest on a flat box rolls off, in some directions of its axis"
 # seen = ["3.2.7"]
 # documented = "Nothing is said of it. changeDynamics offers rollingFriction, and says to leave it near 0."
 # sources = ["PyBullet Quickstart Guide, changeDynamics: rollingFriction"]
 # mend = "changeDynamics(body, -1, rollingFriction=0.001) on both bodies"
 # cases = []
 # ///
-"""A capsule of 0.1 m is laid on a box for ten seconds and nothing pushes it. Four directions, both coordinates; a millimetre is granted, and finer steps are the same."""
+"""A capsule of 0.1 m is laid on a box for ten seconds and nothing pushes it. Four directions, both coordinates; a millimetre is granted. Finer steps do not hold it."""
 
 import math
 import sys

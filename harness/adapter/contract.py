@@ -17,6 +17,7 @@ The contract, proven by `harness.conformance`:
 * Tracks: `default` is what a newcomer gets (the vendor's physics defaults left alone: damping, sleeping, clamps, pyramids),
   though frames, units, order, finiteness, shapes, and the scene's own material law are right; `tuned` switches off what
   the scene does not ask for and follows the vendor's recommendation for this kind of scene, with the source cited.
+* The point of a contact lies half-way between the two surfaces, along its normal: gap/2 off each.
 * Only the effects in `scene.effects` are simulated; what cannot be switched off is listed in `warnings()` as a `Notice` of kind
   'surplus' with its effect.
 * Continuous collision is a means, not a law of the scene: where an engine lacks it, or its vendor leaves it off on `default`,

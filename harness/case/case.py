@@ -1,11 +1,14 @@
 """A case: one question in SI units, its scene, its truth and the checks that judge an answer."""
 
+import math
 import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import KW_ONLY, dataclass, field, replace
-from typing import Any, Literal, Self, dataclass_transform
+from typing import Annotated, Any, Literal, Self, TypeAlias, dataclass_transform, get_type_hints
 
 import numpy as np
+from annotated_types import Ge, Gt, Interval
+from pydantic import TypeAdapter, ValidationError
 
 from plumbline.harness.case.forces import Control
 from plumbline.harness.case.symmetries import Retelling
@@ -19,6 +22,12 @@ all bodies read after it, one call that takes no step, one interval of a scene's
 Clocks = Literal["work", "reading", "call", "casting", "sensing"]
 """What runs under the clock: the case's own work, its steps with all states read after each, `step(0)`, the bare rays of its
 range finders, or its steps with all that its sensors read."""
+Positive: TypeAlias = Annotated[float, Gt(0)]
+NotNegative: TypeAlias = Annotated[float, Ge(0)]
+Share: TypeAlias = Annotated[float, Interval(ge=0, le=1)]
+Count: TypeAlias = Annotated[int, Ge(1)]
+FloatCount: TypeAlias = Annotated[float, Ge(1)]
+"""Domains of parameters: a size, a coefficient, a share of something, a number of things; and one that a search divides."""
 
 
 @dataclass_transform(frozen_default=True)
@@ -43,6 +52,14 @@ class Parameters(Mapping[str, Any]):
     def __hash__(self) -> int:
         return hash((type(self), *self.values()))
 
+    def misfit(self, name: str, value: Any) -> str:
+        """What a value of a parameter would have to be, in words, where it lies outside its domain; '' where it lies inside."""
+        try:
+            TypeAdapter(get_type_hints(type(self), include_extras=True)[name]).validate_python(value)
+        except ValidationError as error:
+            return "; ".join(detail["msg"].removeprefix("Input should be ") for detail in error.errors())
+        return ""
+
 
 class Step(float):
     """The time step [s] that an engine really takes, a sub-step where it has some.
@@ -60,6 +77,26 @@ class Step(float):
         return step
 
 
+class ByParameters(float):
+    """A time [s] that follows from the parameters of a case, which works it out for those that it is put at; NaN until then.
+
+    Terms:
+        law: parameters to seconds.
+    """
+
+    law: Callable[[Any], float]
+
+    def __new__(cls, law: Callable[[Any], float], parameters: "Parameters | None" = None) -> Self:
+        """The law's time at these parameters."""
+        time = super().__new__(cls, math.nan if parameters is None else law(parameters))
+        time.law = law
+        return time
+
+
+def _timed(time: float, parameters: "Parameters") -> float:
+    return ByParameters(time.law, parameters) if isinstance(time, ByParameters) else time
+
+
 @dataclass(frozen=True, slots=True)
 class Check:
     """A bound on a metric, derived in words.
@@ -67,7 +104,8 @@ class Check:
     Terms:
         at_most: the bound in the metric's unit (at least, where higher is better); either a number or a function of the step
         that the engine really takes, for errors that shrink with it, and of the case's parameters. because: the derivation.
-        start, end [s]: the part of the run that is judged.
+        start, end [s]: the part of the run that is judged; a start may be `ByParameters`. another_truth: why the case's truth
+        is no answer to this check: it is that of a simpler body, say; '' where it has to keep the bound itself.
     """
 
     metric: Metric
@@ -76,6 +114,12 @@ class Check:
     _: KW_ONLY
     start: float = 0.0
     end: float | None = None
+    another_truth: str = ""
+
+    def judged(self, run: Trajectory) -> Trajectory:
+        """The part of a run that counts; the very same one where all of it does."""
+        end = math.inf if self.end is None else self.end
+        return run.between(self.start, end) if self.start > 0 or self.end is not None else run
 
     def bound(self, dt: float, parameters: Parameters, substep: float | None = None) -> float:
         """The bound at parameters of the case, for a time step dt [s] that an engine takes in steps of `substep` [s]: in one
@@ -142,8 +186,9 @@ class Case:
     """One question put to every engine.
 
     Terms:
-        name: the file's; its prefix is the family. duration [s].
-        parameters: what study files and searches may set, with the case's own values. scene(parameters) gives the scene;
+        name: the file's; its prefix is the family. duration [s], which may be `ByParameters`.
+        parameters: what study files and searches may set, with the case's own values, each of a type that says its domain
+        (`Positive`, `Annotated[float, Interval(ge=0, lt=1)]`). scene(parameters) gives the scene;
         expected(time (t,), parameters) the truth at those times, a `Converged`, or None where only conservation, statistics,
         or the engines' agreement on a limit judge. truth: what kind of truth that is, in words. coarsest [s]: without
         `expected`, the truth is the exact solver of the reference engine, extrapolated from runs of at most this step.
@@ -210,10 +255,17 @@ class Case:
     def __post_init__(self) -> None:
         if self.coarsest is not None and self.expected is not None:
             raise ValueError(f"case '{self.name}': has both a truth and a coarsest step to make one from, expected one of them")
+        object.__setattr__(self, "duration", _timed(self.duration, self.parameters))
+        checks = tuple(replace(check, start=_timed(check.start, self.parameters)) for check in self.checks)
+        object.__setattr__(self, "checks", checks)
 
     def at(self, **parameters: Any) -> Parameters:
         """The case's parameters with other values for some of them. Raises: TypeError: for one that it does not have."""
         return replace(self.parameters, **{name: _frozen(value) for name, value in parameters.items()})
+
+    def put(self, parameters: Mapping[str, Any]) -> Self:
+        """The case with these parameters as its own, and the times that follow from them. Raises: TypeError."""
+        return replace(self, parameters=self.at(**parameters))
 
     @property
     def family(self) -> str:

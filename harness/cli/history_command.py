@@ -14,6 +14,9 @@ if TYPE_CHECKING:
 
     from plumbline.harness.history.folder import History
 
+_SHOWN = 200
+"""Nights that a table for people shows, the last ones: each costs a millisecond and a half."""
+
 
 @click.command()
 @click.argument("address", metavar="DIR")
@@ -34,15 +37,16 @@ def history(address: str, prune: bool, older: float | None, keep_nights: int | N
         _prune(address, older, keep_nights, dry_run)
         return
     with at_hand(address) as kept:
-        nights = list(rows(kept))
-        unread = kept.unread()
+        nights, unread = rows(kept)
     for error in unread:
         say(f"left out: {error}", err=True)
     if as_json:
         print_json(nights)
         return
-    shown = [[_cell(row[name]) for name in COLUMNS] for row in nights]
+    shown = [[_cell(row[name]) for name in COLUMNS] for row in nights[-_SHOWN:]]
     print_table(f"{address}: {len(nights)} nights", COLUMNS, shown)
+    if len(nights) > _SHOWN:
+        say(f"and {len(nights) - _SHOWN} earlier nights; --json prints all {len(nights)}")
 
 
 def _cell(value: object) -> object:

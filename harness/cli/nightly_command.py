@@ -132,18 +132,19 @@ def _night(
 
     Returns: does its gate fail, or was a page of the report not made? summary.md; what is left of its budget [s], when called.
     """
-    from plumbline.harness.findings.changes.words import gate_in_short, headline, judged_in_short
+    from plumbline.harness.findings.changes.words import headline, judged_in_short
     from plumbline.harness.findings.summary import write_summary
     from plumbline.harness.findings.vendor.shelf import shelf
+    from plumbline.harness.history.gate import reasons
     from plumbline.harness.history.known_findings import asked_again, turned
     from plumbline.harness.history.night import accounted, carry_out_night, close, compared, night_to_do
+    from plumbline.harness.history.readings import said_by
     from plumbline.harness.history.sentences import (
         in_short,
         left_out_in_short,
         outcomes_in_short,
         unanswered_in_short,
         unconfirmed_in_short,
-        without_answers,
         worse_in_short,
     )
     from plumbline.harness.study.experiment import StudyError
@@ -167,6 +168,7 @@ def _night(
             account = accounted(history, done, news, time.monotonic() - ended) | {"findings": rows}
             summary = _write_summary(history, done, news, account, [turn.sentence for turn in changed])
             close(night, account)
+            said_by(history, night, done.store)
     except StudyError as error:
         if not (night.folder / "journal.jsonl").exists():
             shutil.rmtree(night.folder)
@@ -190,20 +192,16 @@ def _night(
     for turn in changed:
         say(turn.sentence)
     say("nothing of it was seen before" if news is None else headline(news.changes))
-    barred = [*news.regressions(asked.gated)] if news is not None else []
-    mute = [f"gate: {sentence}" for sentence in without_answers(account, asked.gated)]
-    if asked.least > (0.0 if news is None else news.changes.judged_of(asked.gated).share):
-        seen = "" if news is None else gate_in_short(news.changes, asked.gated, asked.least)
-        mute.append(f"gate: {seen or 'not judged: nothing of it was seen before'}")
+    failing = [f"gate: {reason}" for reason in reasons(news, account, asked.gated, asked.least)]
     for line in (
         *worse_in_short(account["told"], asked.gated),
         *unconfirmed_in_short(account["unconfirmed"]),
-        *mute,
+        *failing,
         *not_made,
     ):
         say(line)
     say(str(summary))
-    return bool(barred or mute or not_made), summary, lambda: done.budget.seconds - done.budget.taken()
+    return bool(failing or not_made), summary, lambda: done.budget.seconds - done.budget.taken()
 
 
 @contextmanager

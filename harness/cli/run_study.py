@@ -123,6 +123,7 @@ def run(
 
     try:
         plan, chosen = _study_and_cases(study, own, globs, budget)
+        plan.check_truths(chosen)
     except StudyError as error:
         stop(USAGE, _of_file(study, error))
     adapters = chosen_engines(engine_names, agreed)

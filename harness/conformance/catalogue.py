@@ -10,6 +10,7 @@ SUBJECTS = (
     "contact.shapes", "contact.compounds", "contact.resting", "contact.contacts",
     "motion.prescribed", "contact.forces", "contact.friction",
     "joints.constraints", "joints.coordinates", "joints.distance_springs", "joints.along_coordinates", "joints.joint_states",
+    "joints.pairs",
     "sensing.rays", "sensing.images", "sensing.inertial",
     "contract.effects", "contract.robustness",
 )  # fmt: skip

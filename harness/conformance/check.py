@@ -96,6 +96,18 @@ def near(what: str, got: ArrayLike, expected: ArrayLike, within: float, because:
     )
 
 
+def all_near(*numbers: tuple[str, ArrayLike, ArrayLike, float], because: str) -> list[Comparison]:
+    """Several comparisons (what, got, expected, within), in words only if one does not hold: numbers take longer to print than
+    to compare. NaN is near to nothing."""
+    shares = [
+        float(np.max(np.abs(np.asarray(got, dtype=np.float64) - np.asarray(expected, dtype=np.float64)), initial=0.0)) / within
+        for _, got, expected, within in numbers
+    ]
+    if all(share <= 1.0 for share in shares):
+        return [Comparison(True, f"{numbers[0][0]} and more: at most {max(shares):.2g} of what is allowed", measured=True)]
+    return [near(what, got, expected, within, because) for what, got, expected, within in numbers]
+
+
 def that(holds: bool, text: str) -> Comparison:
     """A comparison whose verdict is known; `text` says what is wrong where it does not hold: got, expected."""
     return Comparison(bool(holds), text)

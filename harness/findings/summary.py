@@ -14,6 +14,7 @@ from plumbline.harness.intake.safe_text import markdown_cell, visible
 from plumbline.harness.store.disk import write_atomically
 from plumbline.harness.store.store import Store
 
+SUMMARIES = ("junit.xml", "summary.md")
 _ERRORS = ("crashed", "timeout", "oom", "diverged")
 _SKIPPED = ("unsupported", "unavailable", "interrupted")
 

@@ -97,23 +97,6 @@ class Seen:
         return (self.night, *self.of_engine.values())
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Unanswered:
-    """A trial without an answer when a night's time was up, as its `night.json` has it. Terms: seconds: since it was asked."""
-
-    trial: str
-    experiment: str
-    case: str
-    engine: str
-    track: str
-    seconds: float
-
-    @property
-    def cell(self) -> Cell:
-        """Where it belongs, whatever it rests on."""
-        return self.experiment, self.case, self.engine, self.track
-
-
 LONG = 10.0
 """Seconds without an answer from which on a trial is what a night came to its end with, and no longer a chance."""
 LATELY = 3

@@ -5,12 +5,11 @@ import os
 import resource
 import time
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import psutil
 
 CLOSING = 0.1
@@ -21,65 +20,38 @@ MARGIN = 1.3
 """Times what is foreseen: what a night tells, and so writes, is another every night."""
 
 
-@dataclass(frozen=True, slots=True)
-class Closings:
-    """What the end of the last nights took. Terms: answers, seconds: of each. slow: times as long as foreseen its work took."""
-
-    answers: tuple[int, ...]
-    seconds: tuple[float, ...]
-    slow: tuple[float, ...]
-
-    @classmethod
-    def of(cls, plans: Sequence[Mapping[str, Any]]) -> "Closings":
-        """Args: plans: what nights say of themselves when they are whole."""
-        return cls(
-            tuple(int(plan["answers"]) for plan in plans),
-            tuple(float(plan["seconds"]["closing"]) for plan in plans),
-            tuple(float(plan["seconds"].get("slow", 1.0)) for plan in plans),
-        )
-
-    def foreseen(self, answers: int, slow: float) -> float | None:
-        """Seconds for so many answers on a machine that is so much slower than foreseen; None where no night is known.
-
-        Tables and pages take time for each answer beside what they take at all: the line of least squares through the nights,
-        each as if nothing had slowed it, that neither falls nor begins below 0; never less than the fastest of them took.
-        """
-        if not self.seconds:
-            return None
-        counts, took = np.array(self.answers, float), np.array(self.seconds) / np.array(self.slow)
-        off = counts - counts.mean()
-        rate = float(off @ took / (off @ off)) if off @ off > 0 else 0.0
-        rate = min(max(rate, 0.0), float(took.mean()) / max(float(counts.mean()), 1.0))
-        return slow * max(float(took.mean()) + rate * (answers - float(counts.mean())), float(took.min()))
-
-
 @dataclass(slots=True)
 class Budget:
     """Wall time of a night, its start-up and its report included.
 
-    Terms: seconds: of the whole, infinite for none. began: on the monotonic clock. closings: of earlier nights. closing [s]:
-    set aside for the end, more as the night stores more or turns out slow.
+    Terms: seconds: of the whole, infinite for none. began: on the monotonic clock. closings: of the last nights, how many
+    answers each had and how long its end took [s], as if nothing had slowed it. closing [s]: set aside for the end, more as the
+    night stores more or turns out slow.
     """
 
     seconds: float
     began: float
-    closings: Closings
+    closings: tuple[tuple[int, float], ...] = ()
     closing: float = 0.0
 
     def __post_init__(self) -> None:
         self.set_aside(0, 1.0)
 
     @classmethod
-    def of(cls, seconds: float, closings: Closings) -> "Budget":
-        """The budget of this process, counted from its start."""
+    def of(cls, seconds: float, plans: Iterable[Mapping[str, Any]]) -> "Budget":
+        """The budget of this process, counted from its start. Args: plans: of the last nights, when they were whole."""
         running = max(0.0, time.time() - psutil.Process().create_time())
-        return cls(seconds, time.monotonic() - running, closings)
+        ends = ((plan["answers"], plan["seconds"]["closing"] / plan["seconds"].get("slow", 1.0)) for plan in plans)
+        return cls(seconds, time.monotonic() - running, tuple(ends))
 
     def set_aside(self, answers: int, slow: float) -> None:
-        """Set time aside for closing a night that has so many answers and is so much slower than foreseen; half at most."""
+        """Set time aside for closing a night that has so many answers and is so much slower than foreseen; half at most.
+
+        Tables and pages take time for each answer: as long as the longest of the last ends, more where there are more answers.
+        """
         if math.isfinite(self.seconds):
-            known = self.closings.foreseen(answers, slow)
-            foreseen = UNKNOWN * self.seconds if known is None else MARGIN * known
+            ends = (took * max(1.0, answers / max(before, 1)) for before, took in self.closings)
+            foreseen = MARGIN * slow * max(ends) if self.closings else UNKNOWN * self.seconds
             self.closing = min(max(CLOSING * self.seconds, foreseen), self.seconds / 2)
 
     @property

@@ -2,7 +2,7 @@
 
 import os
 import re
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 from functools import lru_cache
@@ -115,17 +115,21 @@ class History:
         """The night of that name, whether it is there or not."""
         return Night(stamp, self.root / "nights" / stamp)
 
+    def each(self) -> Iterator[Night | DamagedFile]:
+        """All nights that hold a run, the earliest first, the one that is under way among them; in place of one that cannot be
+        read, why, with what there is to do."""
+        for path in sorted(path for path in (self.root / "nights").glob("*") if _STAMPED.fullmatch(path.name)):
+            if os.path.lexists(path / "journal.jsonl"):
+                night = Night(path.name, path)
+                yield night.unread() or night
+
     def nights(self) -> tuple[Night, ...]:
-        """All nights that hold a run and can be read, the earliest first, the one that is under way among them."""
-        return tuple(night for night in self._every() if night.unread() is None)
+        """Those of `each` that can be read."""
+        return tuple(night for night in self.each() if isinstance(night, Night))
 
     def unread(self) -> tuple[DamagedFile, ...]:
-        """What is left out of `nights`, with what there is to do."""
-        return tuple(error for night in self._every() if (error := night.unread()) is not None)
-
-    def _every(self) -> list[Night]:
-        folders = sorted(path for path in (self.root / "nights").glob("*") if _STAMPED.fullmatch(path.name))
-        return [Night(path.name, path) for path in folders if os.path.lexists(path / "journal.jsonl")]
+        """What is left out of `nights`."""
+        return tuple(error for error in self.each() if isinstance(error, DamagedFile))
 
     def whole_nights(self) -> tuple[Night, ...]:
         """The nights that came to their end, the earliest first. Raises: DamagedFile."""

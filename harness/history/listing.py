@@ -1,12 +1,12 @@
 """The nights of a history as rows: when, on what, how much was recalled and computed, what changed, what lies on the disk."""
 
-from collections.abc import Iterator
 from typing import Any
 
 from plumbline.harness.history.budget import bytes_of
 from plumbline.harness.history.folder import History, Night
-from plumbline.harness.history.kept_readings import kept_readings
+from plumbline.harness.history.readings import versions_of
 from plumbline.harness.history.sentences import outcomes_in_short
+from plumbline.harness.store.journal import DamagedFile
 
 COLUMNS = (
     "night", "state", "machine", "versions", "answers", "recalled", "computed", "again", "disagreements", "clocked", "left_out",
@@ -15,18 +15,18 @@ COLUMNS = (
 _COUNTS = ("answers", "recalled", "computed", "again", "clocked")
 
 
-def rows(history: History) -> Iterator[dict[str, Any]]:
-    """One for each night, the earliest first, with COLUMNS. Raises: StoreError."""
-    for night in history.nights():
-        yield _row(history, night)
+def rows(history: History) -> tuple[list[dict[str, Any]], list[DamagedFile]]:
+    """One for each night, the earliest first, with COLUMNS; and what is left out. Raises: StoreError."""
+    each = [_row(night) if isinstance(night, Night) else night for night in history.each()]
+    return [row for row in each if isinstance(row, dict)], [error for error in each if isinstance(error, DamagedFile)]
 
 
-def _row(history: History, night: Night) -> dict[str, Any]:
+def _row(night: Night) -> dict[str, Any]:
     plan, store = night.plan, night.store()
     told = plan.get("told", ())
     # What a night does not say that is under way, or of an older version, is read off its records.
     counts = {name: plan[name] for name in _COUNTS} if all(name in plan for name in _COUNTS) else _counted(night)
-    versions = plan["versions"] if "versions" in plan else kept_readings(history, night, store).night.versions
+    versions = plan["versions"] if "versions" in plan else versions_of(store)
     return {
         "night": night.stamp,
         "state": "whole" if plan.get("complete") else "unfinished",

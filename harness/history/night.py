@@ -4,17 +4,18 @@ import math
 import os
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 from typing import Any
 
 from plumbline.harness.adapter import Adapter
 from plumbline.harness.case import Case
 from plumbline.harness.findings.changes import Change
+from plumbline.harness.findings.summary import SUMMARIES
 from plumbline.harness.history.acknowledged import acknowledged, read_acknowledged
 from plumbline.harness.history.answer_store import Pool
 from plumbline.harness.history.blocks import LATELY, Key, Sight, cells_of, last_seen, last_unanswered
-from plumbline.harness.history.budget import Budget, Closings, bytes_of, memory_peaks
+from plumbline.harness.history.budget import Budget, bytes_of, memory_peaks
 from plumbline.harness.history.changes_since import News, first_seen, news_of
 from plumbline.harness.history.folder import NIGHT, SCHEMA, History, Night, stamp_of
 from plumbline.harness.history.known_searches import KnownSearches
@@ -119,7 +120,7 @@ def carry_out_night(history: History, asked: Asked, night: Night) -> Done:
     unread += [damage for other in unfinished if (damage := _damage(other)) is not None]
     disk.make_folder(night.folder)
     seen, plan = last_seen(before), night.plan
-    budget = Budget.of(asked.budget, Closings.of([earlier.plan for earlier in before[-LATELY:]]))
+    budget = Budget.of(asked.budget, (earlier.plan for earlier in before[-LATELY:]))
     seed = asked.seed or night.stamp
     started: dict[str, Any] = {
         "schema": SCHEMA,
@@ -232,8 +233,9 @@ def accounted(history: History, done: Done, news: News | None, closing: float) -
         "versions": {engine: saw["version"] for of in cells.values() for engine, saw in of.items() if saw["version"]},
         "unconfirmed": [told(row, news.changes, night.stamp) for row in rows if news and row.sense == "unconfirmed"],
         "unread": [str(error) for error in done.unread],
-        "left_out": [asdict(entry) for entry in steering.out],
-        "unanswered": [asdict(waiting) for waiting in steering.unanswered],
+        "summaries": {name: disk.digest(path) for name in SUMMARIES if (path := night.folder / name).is_file()},
+        "left_out": steering.out,
+        "unanswered": steering.unanswered,
         "distrusted": [[*cell, stamp] for cell, stamp in steering.distrusted.items()],
         "told": changed,
     }

@@ -12,10 +12,10 @@ from typing import Any, Literal, TypeAlias
 
 from plumbline.harness.findings.changes.prices import TOLD
 from plumbline.harness.history.answer_store import MACHINE_BOUND, Answer, Pool
-from plumbline.harness.history.blocks import Block, Cell, Key, Seen, Sight, Unanswered, blocks_of
+from plumbline.harness.history.blocks import Block, Cell, Key, Seen, Sight, blocks_of
 from plumbline.harness.history.known_searches import KnownSearches
 from plumbline.harness.history.last_answers import LastAnswer
-from plumbline.harness.history.plan import Left, LeftOut, Plan, ranked
+from plumbline.harness.history.plan import Left, Plan
 from plumbline.harness.run.interrupt import UnderWay
 from plumbline.harness.run.known_results import Guide
 from plumbline.harness.store import disk
@@ -45,8 +45,8 @@ class Steering(Guide):
         nights say of each block. waited: trials for which earlier nights waited in vain, by the last of them. last: of a
         trial, whatever it rests on, the last answer. distrusted: by case and engine, the night before which nothing
         is recalled. left: seconds until the end. save: called behind each batch, and keeps what a night that goes on has to
-        know. hashes: of trajectories that stay. unanswered: what was waited for when time was up. sitting: 0, as a night may
-        end after any question.
+        know. hashes: of trajectories that stay. out, unanswered: rows of `night.json`, what was left out, and what was waited
+        for when time was up. sitting: 0, as a night may end after any question.
     """
 
     sitting = 0.0
@@ -67,8 +67,8 @@ class Steering(Guide):
     done: set[Key] = field(default_factory=set)
     begun: set[Key] = field(default_factory=set)
     tallies: dict[Key, Sight] = field(default_factory=dict)
-    out: list[LeftOut] = field(default_factory=list)
-    unanswered: list[Unanswered] = field(default_factory=list)
+    out: list[dict[str, Any]] = field(default_factory=list)
+    unanswered: list[dict[str, Any]] = field(default_factory=list)
     _plan: Plan | None = None
     _again: dict[str, Record] = field(default_factory=dict)
     _mark: float = 0.0
@@ -81,7 +81,7 @@ class Steering(Guide):
         self.blocks = blocks_of(trials)
         due = {block.key: self._due(block) for block in self.blocks}
         stuck = {cell[:2]: stamp for cell, stamp in self.waited.items()}
-        self._plan = plan = Plan(ranked(self.blocks, self.seen, stuck), self.seen, due, stuck)
+        self._plan = plan = Plan(self.blocks, self.seen, due, stuck)
         for batch in plan.batches(self.left):
             self._mark = time.monotonic()
             self.begun |= {block.key for block in batch}
@@ -169,14 +169,8 @@ class Steering(Guide):
     def broken_off(self, under_way: Sequence[UnderWay]) -> None:
         """Keep what the night waited for in the end."""
         self.unanswered += [
-            Unanswered(
-                trial=waiting.trial.trial,
-                experiment=waiting.trial.experiment.name,
-                case=waiting.trial.case,
-                engine=waiting.trial.engine,
-                track=waiting.trial.track,
-                seconds=waiting.seconds,
-            )
+            {"trial": waiting.trial.trial, "seconds": waiting.seconds}
+            | dict(zip(("experiment", "case", "engine", "track"), _cell(waiting.trial), strict=True))
             for waiting in under_way
         ]
 

@@ -22,17 +22,17 @@ CLIP = 3.0
 
 
 def yardsticks(
-    values: Sequence[Floats],
-    segments: Sequence[NDArray[np.int64]],
+    values: Floats,
+    segments: NDArray[np.int64],
     engines: Sequence[str],
-    canaries: Sequence[Floats],
+    canaries: Floats,
     canary: Floats,
     hosts: NDArray[np.int64],
 ) -> list[tuple[Floats, Beside]]:
     """For each price series its divisor (n,), and what that is.
 
-    Args: values, segments: each (n,) for s series. engines: of each. canaries: of each series [s], (n,), clocked beside it.
-    canary (n,): of each night. hosts (n,): its machine, as a number.
+    Args: values, segments (s, n). engines: of each series. canaries (s, n) [s]: clocked beside it.
+    canary (n,) [s]: of each night. hosts (n,): its machine, as a number.
     """
     steady = [over_segments(row, numbers) for row, numbers in zip(values, segments, strict=True)]
     votes = {

@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plumbline.harness.findings.changes.values import Beside
-from plumbline.harness.history.price_steps import PriceStep
 from plumbline.harness.history.regressions import Trends
 from plumbline.harness.history.series import Series
+from plumbline.harness.history.steps import Step
 from plumbline.harness.statistics.change_points import Level, levelled, levels
 from plumbline.harness.trajectory import Floats
 
@@ -31,7 +31,7 @@ class Panel:
     index: Floats
     segments: NDArray[np.int64]
     levels: tuple[Level, ...]
-    steps: tuple[PriceStep, ...]
+    steps: tuple[Step, ...]
     beside: Beside
     series: int
     otherwise: tuple[tuple[int, int, int], ...]
@@ -41,7 +41,7 @@ def panels(trends: Trends) -> tuple[Panel, ...]:
     """One for each case on each engine that was clocked or has an error, in the order in which they were first seen."""
     cells: dict[tuple[str, str], list[Series]] = {}
     for one in trends.series:
-        cells.setdefault((one.subject.case, one.subject.engine), []).append(one)
+        cells.setdefault((one.case, one.engine), []).append(one)
     return tuple(_panel(case, engine, group, trends) for (case, engine), group in cells.items())
 
 
@@ -49,13 +49,13 @@ def engine_panels(trends: Trends) -> tuple[Panel, ...]:
     """One for each engine as a whole."""
     engines: dict[str, list[Series]] = {}
     for one in trends.series:
-        engines.setdefault(one.subject.engine, []).append(one)
+        engines.setdefault(one.engine, []).append(one)
     return tuple(_panel("", engine, group, trends) for engine, group in engines.items())
 
 
 def _panel(case: str, engine: str, group: Sequence[Series], trends: Trends) -> Panel:
     count = len(trends.nights)
-    prices = [one for one in group if one.subject.kind == "price"]
+    prices = [one for one in group if one.kind == "price"]
     mine = {id(one) for one in prices}
     steps = tuple(
         step
@@ -80,7 +80,7 @@ def _panel(case: str, engine: str, group: Sequence[Series], trends: Trends) -> P
         steps=steps,
         beside=prices[0].beside if prices else "",
         series=len(prices),
-        otherwise=_otherwise([one for one in group if one.subject.kind == "error"], count),
+        otherwise=_otherwise([one for one in group if one.kind == "error"], count),
     )
 
 

@@ -1,19 +1,14 @@
 """In which order a night goes through its blocks, and which of them its budget leaves out."""
 
-import math
-from collections.abc import Callable, Collection, Iterator, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import InitVar, dataclass, field
 from statistics import mean
-from types import MappingProxyType
-from typing import Literal, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 from plumbline.harness.history.blocks import Block, Key, Seen
 
 Left: TypeAlias = Callable[[], float]
 """Seconds that are left, infinite without a budget."""
-TROUBLED_SHARE, KNOWN_SHARE = 1 / 3, 2 / 3
-"""Of a budget: for what is only noisy or was worse lately, so that the rest is seen too; and for all that was ever seen, while
-something never was: a night that sees nothing twice notices nothing, one that sees nothing new never comes to the end."""
 LARGEST, LONGEST = 12, 120.0
 """Blocks of a batch, and seconds that they are foreseen to take: a batch is clocked before the next one is answered."""
 
@@ -24,53 +19,43 @@ Why = Literal["no time was left", "it is foreseen to take longer than was left",
 """Why a block was left out."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class LeftOut:
-    """A block that the budget left out. Terms: last_seen: the stamp of a night, '' for none. foreseen [s], None if unknown."""
-
-    experiment: str
-    case: str
-    trials: int
-    why: Why
-    last_seen: str
-    foreseen: float | None
-
-
-def ranked(blocks: Collection[Block], seen: Mapping[Key, Seen], stuck: Mapping[Key, str] = MappingProxyType({})) -> list[Block]:
-    """Most valuable first: what changed, what was worse or noisy lately, what was seen the longest time ago, what never was.
-
-    Args: stuck: blocks in which nights came to their end without an answer, with the last such night: they follow all others.
-    """
-
-    def rank(block: Block) -> tuple[int, str]:
-        if block.key in stuck:
-            return 4, stuck[block.key]
-        known = seen.get(block.key)
-        if known is None:
-            return 3, ""
-        if known.sight.digest != block.digest:
-            return 0, known.night.stamp
-        return (1 if known.troubled else 2), known.night.stamp
-
-    return sorted(blocks, key=rank)
+def rank(block: Block, seen: Mapping[Key, Seen], stuck: Mapping[Key, str]) -> tuple[int, str]:
+    """What changed, what was worse or noisy lately, what was seen, what never was, and where nights came to their end without
+    an answer: 0 to 4, with the night from which on it waits. Args: stuck: such blocks, with the last such night."""
+    known = seen.get(block.key)
+    if block.key in stuck:
+        return 4, stuck[block.key]
+    if known is None:
+        return 3, ""
+    changed = known.sight.digest != block.digest
+    return 0 if changed else 1 if known.troubled else 2, known.night.stamp
 
 
 @dataclass(slots=True)
 class Plan:
     """What is left to do, and how long that will take.
 
+    What changed goes first. Then what was troubled, what was seen and what never was share the time in equal parts, as long as
+    there is some of each: so the rest is seen beside what is only noisy, a night sees something twice, and comes to the end of
+    its study. Each is in the order in which it has waited.
+
     Terms:
-        waiting: blocks in order. seen: by earlier nights. due: by block, the share of its answers that have to be computed.
+        blocks: of the night. seen: by earlier nights. due: by block, the share of its answers that have to be computed.
         stuck: blocks that have a batch of their own, since they may not come to an end. taken [s]: by block, what it took
         tonight. promised [s]: by block, what it was foreseen to take when it was begun, where an earlier night knew.
+        waiting: what is not begun.
     """
 
-    waiting: list[Block]
+    blocks: InitVar[Iterable[Block]]
     seen: Mapping[Key, Seen]
     due: Mapping[Key, float]
-    stuck: Collection[Key] = ()
+    stuck: Mapping[Key, str] = field(default_factory=dict)
     taken: dict[Key, float] = field(default_factory=dict)
     promised: dict[Key, float] = field(default_factory=dict)
+    waiting: list[Block] = field(init=False)
+
+    def __post_init__(self, blocks: Iterable[Block]) -> None:
+        self.waiting = sorted(blocks, key=lambda block: rank(block, self.seen, self.stuck))
 
     @property
     def slow(self) -> float:
@@ -88,59 +73,40 @@ class Plan:
         return mean(alike) if alike else None
 
     def batches(self, left: Left) -> Iterator[list[Block]]:
-        """Blocks that fit into what is left, batch by batch; what does not stays behind in `waiting`.
-
-        Where the shares leave time over in the end, what they held back follows.
-        """
-        news = any(block.key not in self.seen for block in self.waiting)
-        troubled, known = TROUBLED_SHARE * left(), KNOWN_SHARE * left() if news else math.inf
-        for shares in ({"troubled": troubled, "known": known}, {}):
-            yield from self._within(left, shares)
-
-    def _within(self, left: Left, shares: dict[str, float]) -> Iterator[list[Block]]:
-        """The batches of one way through. Args: shares [s]: what blocks of a kind may take together."""
-        skipped: list[Block] = []
+        """Blocks that fit into what is left, batch by batch; what does not stays behind in `waiting`."""
+        kind = {block.key: rank(block, self.seen, self.stuck)[0] for block in self.waiting}
+        spent, skipped = [0.0] * 5, list[Block]()
         while self.waiting:
             batch, seconds, unknown = list[Block](), 0.0, set[str]()
             while self.waiting and len(batch) < LARGEST and seconds < LONGEST:
-                block = self.waiting[0]
+                block = min(self.waiting, key=lambda each: (kind[each.key] == 4, spent[kind[each.key]]))
+                foreseen = self.foreseen(block)
                 if batch and {block.key, batch[-1].key} & {*self.stuck}:
                     break
-                foreseen, counted = self.foreseen(block), [kind for kind in self._kinds(block) if kind in shares]
                 if (foreseen is None and block.experiment in unknown) or (batch and (foreseen is None) != bool(unknown)):
                     break  # what one block of an experiment takes is learnt before others are begun, and keeps none waiting
-                self.waiting.pop(0)
-                if seconds + (foreseen or 0.0) >= left() or any((foreseen or 0.0) > shares[kind] for kind in counted):
+                self.waiting.remove(block)
+                if seconds + (foreseen or 0.0) >= left():
                     skipped.append(block)
                     continue
                 if foreseen is None:
                     unknown.add(block.experiment)
-                for kind in counted:
-                    shares[kind] -= foreseen or 0.0
+                elif block.key in self.seen:
+                    self.promised[block.key] = foreseen
                 batch.append(block)
                 seconds += foreseen or 0.0
-                if foreseen is not None and block.key in self.seen:
-                    self.promised[block.key] = foreseen
+                spent[kind[block.key]] += (foreseen or 0.0) if kind[block.key] else 0.0
             if not batch:
                 break
             yield batch
+            if unknown:
+                for block in batch:
+                    spent[kind[block.key]] += self.taken.get(block.key, 0.0)
         self.waiting = skipped + self.waiting
 
-    def left_out(self, block: Block, why: Why) -> LeftOut:
-        """A block of these, as it is named."""
+    def left_out(self, block: Block, why: Why) -> dict[str, Any]:
+        """A block of these as a row: 'last_seen' is the stamp of a night, '' for none, 'foreseen' [s], None if unknown."""
         known = self.seen.get(block.key)
-        return LeftOut(
-            experiment=block.experiment,
-            case=block.case,
-            trials=len(block.trials),
-            why=why,
-            last_seen="" if known is None else known.night.stamp,
-            foreseen=self.foreseen(block),
-        )
-
-    def _kinds(self, block: Block) -> list[str]:
-        """Which shares of the budget it counts for; what changed counts for none."""
-        known = self.seen.get(block.key)
-        if known is None or known.sight.digest != block.digest:
-            return []
-        return ["known", "troubled"] if known.troubled else ["known"]
+        last = "" if known is None else known.night.stamp
+        about = {"experiment": block.experiment, "case": block.case, "trials": len(block.trials)}
+        return about | {"why": why, "last_seen": last, "foreseen": self.foreseen(block)}

@@ -1,10 +1,10 @@
 """What changed over a history, told once: each change with its first night, who acknowledged it, and whether it lasts."""
 
 import math
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, Literal, TypeAlias
+from typing import Any, Literal
 
 import numpy as np
 
@@ -13,14 +13,12 @@ from plumbline.harness.findings.changes.answers import as_good
 from plumbline.harness.findings.changes.weights import heaviest_first
 from plumbline.harness.findings.changes.words import command_in, sentence, titled
 from plumbline.harness.history.acknowledged import Acknowledgement, acknowledged, silenced
-from plumbline.harness.history.exact_changes import exact_changes
 from plumbline.harness.history.folder import History, Night
 from plumbline.harness.history.identity import NEAR, Named, change_id
-from plumbline.harness.history.kept_readings import kept_readings
-from plumbline.harness.history.night_readings import NightOf, Readings
 from plumbline.harness.history.normalisation import over_segments
-from plumbline.harness.history.price_steps import PriceStep, price_steps
+from plumbline.harness.history.readings import Content, NightOf, Readings, said_by
 from plumbline.harness.history.series import Series, series_of
+from plumbline.harness.history.steps import Step, steps_of
 from plumbline.harness.statistics.change_points import levelled
 from plumbline.harness.statistics.drift import one_drift
 from plumbline.harness.store.journal import DamagedFile
@@ -29,9 +27,6 @@ State = Literal["open", "acknowledged", "mended", "another version"]
 """Of a regression: nobody said anything of it yet; somebody did; a later night took it back; its engine or machine is another
 by now, on which nothing is known of it."""
 
-SameSlope: TypeAlias = Callable[[Change, int, int], bool]
-"""Of a step in a price and the indices of two nights: is what lies between them one slope?"""
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Dated:
@@ -39,7 +34,7 @@ class Dated:
 
     Terms: id: as `plumbline history ack` takes it. night: index of the first one. stamp, folder: of it. changes: those of one
     kind, case, engine, track, metric and night, the heaviest first. until: index of the night that ended it, None while it
-    lasts. note, when: of who acknowledged it.
+    lasts. note: of who acknowledged it.
     """
 
     id: str
@@ -51,7 +46,6 @@ class Dated:
     until: int | None = None
     told: bool = False
     note: str = ""
-    when: str = ""
 
     @property
     def first(self) -> Change:
@@ -75,14 +69,14 @@ class Dated:
 class Trends:
     """A history as people look at it.
 
-    Terms: root: its folder. nights: the earliest first. series, steps: of them. dated: every change, by its night. titles: of
-    cases and engines by their names, as the last night that has them calls them. unread: what is left out, and why.
+    Terms: root: its folder. nights: the earliest first. series: of them, steps: of prices. dated: every change, by its night.
+    titles: of cases and engines by name, as the last night that has them calls them. unread: what is left out, and why.
     """
 
     root: str
     nights: tuple[NightOf, ...]
     series: tuple[Series, ...]
-    steps: tuple[PriceStep, ...]
+    steps: tuple[Step, ...]
     dated: tuple[Dated, ...]
     titles: Mapping[str, str] = field(default_factory=dict)
     unread: tuple[DamagedFile, ...] = ()
@@ -104,26 +98,28 @@ class Trends:
 
 def read_trends(history: History) -> Trends:
     """Read every whole night of a history and judge its series. Raises: StoreError, OSError."""
-    # A run folder that was put there by hand has no plan.
-    unread = list(history.unread())
-    over, readings = list[Night](), list[Readings]()
-    for night in history.nights():
-        if night.plan.get("complete", True):
+    over, contents, unread = list[Night](), list[Content](), list[DamagedFile]()
+    for night in history.each():
+        if isinstance(night, DamagedFile):
+            unread.append(night)
+        elif night.plan.get("complete", True):  # a run folder that was put there by hand has no plan
             try:
-                readings.append(kept_readings(history, night, night.store()))
+                contents.append(said_by(history, night, night.store()))
             except DamagedFile as error:
                 unread.append(error)
             else:
                 over.append(night)
-    titles = {name: title for reading in readings for name, title in (reading.night.titles or {}).items()}
+    readings = Readings.of(contents)
     series = series_of(readings)
-    steps = tuple(price_steps(series))
-    nights = tuple(reading.night for reading in readings)
-    every = [*exact_changes(over, readings), *((step.night, step.change) for step in steps)]
-    plans = [night.plan for night in over if night.whole]
-    dated = date(nights, every, acknowledged(history), named_by(plans), same_slope(steps))
+    steps = steps_of(over, readings, series)
     return Trends(
-        root=str(history.root), nights=nights, series=series, steps=steps, dated=dated, titles=titles, unread=tuple(unread)
+        root=str(history.root),
+        nights=readings.nights,
+        series=series,
+        steps=tuple(step for step in steps if step.members),
+        dated=date(readings.nights, steps, acknowledged(history), named_by(night.plan for night in over if night.whole)),
+        titles={name: title for night in readings.nights for name, title in (night.titles or {}).items()},
+        unread=tuple(unread),
     )
 
 
@@ -132,114 +128,102 @@ def named_by(plans: Iterable[Any]) -> list[Named]:
     return [Named.told(row) for plan in plans for row in plan.get("told", ())]
 
 
-def same_slope(steps: Sequence[PriceStep]) -> SameSlope:
-    """By the prices of a step's own members, between the steps the other way beside it."""
-    members = {step.change: step.members for step in steps}
-
-    def same(change: Change, first: int, second: int) -> bool:
-        group = members[change]
-        segments = np.max([one.segments for one in group], axis=0)
-        values = levelled(np.array([over_segments(one.free, one.segments) for one in group]))
-        back = [
-            step.night
-            for step in steps
-            if (step.change.engine, step.change.case) == (change.engine, change.case) and step.change.sense != change.sense
-        ]
-        nights = np.arange(len(values))
-        begin = max([night for night in back if night <= first], default=0)
-        end = min([night for night in back if night > second], default=len(values))
-        if segments[first] != segments[second] or any(first < night <= second for night in back):
-            return False
-        values[(segments != segments[second]) | (nights < begin) | (nights >= end)] = np.nan
-        return one_drift(values, first, second)
-
-    return same
-
-
 def date(
-    nights: Sequence[NightOf],
-    changes: Iterable[tuple[int, Change]],
-    known: dict[str, Acknowledgement],
-    named: Collection[Named] = (),
-    slope: SameSlope = lambda _change, _first, _second: False,
+    nights: Sequence[NightOf], steps: Sequence[Step], known: dict[str, Acknowledgement], named: Collection[Named] = ()
 ) -> tuple[Dated, ...]:
-    """Changes, each with the index of its night, as dated ones: alike ones of one night are one, the earliest first.
+    """Steps as dated changes: alike ones of one night are one, the earliest first.
 
-    Args: known: what was acknowledged. named: what nights have told, under whose names it goes on. slope: see `SameSlope`.
+    Args: known: what was acknowledged. named: what nights have told, under whose names it goes on.
     """
-    every = list(changes)
-    grouped: dict[tuple[int, str], list[Change]] = {}
-    for night, change in every:
-        if change.sense in ("worse", "better"):
-            grouped.setdefault((night, change_id(change, nights[night].stamp)), []).append(change)
+    grouped: dict[tuple[int, str], list[Step]] = {}
+    for step in steps:
+        if step.change.sense in ("worse", "better"):
+            grouped.setdefault((step.night, change_id(step.change, nights[step.night].stamp)), []).append(step)
     stamps = [night.stamp for night in nights]
     made = []
     for (night, name), group in grouped.items():
-        until, state = _end(night, group, every, nights)
-        same = [other for other in named if _same(other, night, name, group[0], stamps, slope)]
-        seen = [entry.what for entry in known.values() if _same(entry.what, night, name, group[0], stamps, slope)]
-        own = next((other.id for other in [*same, *seen] if other.case == group[0].case or other.id == name), name)
-        called = Named.of(group[0], nights[night].stamp)
+        first = group[0].change
+        until, state = _end(group, steps, nights)
+        same = [other for other in named if _same(other, name, group[0], stamps, steps)]
+        seen = [entry.what for entry in known.values() if _same(entry.what, name, group[0], stamps, steps)]
+        own = next((other.id for other in [*same, *seen] if other.case == first.case or other.id == name), name)
         entry = next((known[other.id] for other in [*seen, *same] if other.id in known), None)
-        entry = entry or silenced(called, known, stamps)
+        entry = entry or silenced(Named.of(first, stamps[night]), known, stamps)
         made.append(
             Dated(
                 id=own,
                 night=night,
-                stamp=nights[night].stamp,
+                stamp=stamps[night],
                 folder=nights[night].folder,
-                changes=heaviest_first(group),
+                changes=heaviest_first([step.change for step in group]),
                 state="acknowledged" if state == "open" and entry is not None else state,
                 until=until,
                 told=bool(same),
                 note="" if entry is None else entry.note,
-                when="" if entry is None else entry.when,
             )
         )
-    return tuple(sorted(made, key=lambda one: (one.night, -one.first.weight, one.id)))
+    return tuple(sorted(made, key=lambda each: (each.night, -each.first.weight, each.id)))
 
 
-def _same(other: Named, night: int, name: str, change: Change, stamps: Sequence[str], slope: SameSlope) -> bool:
+def _same(other: Named, name: str, step: Step, stamps: Sequence[str], steps: Sequence[Step]) -> bool:
     """Is it the change of this name, or one of a price that contains it, of a night nearby or on one slope with it?"""
     if other.id == name:
         return True
-    if not other.contains(change) or other.since not in stamps:
+    if not other.contains(step.change) or other.since not in stamps:
         return False
     index = stamps.index(other.since)
-    return abs(index - night) <= NEAR or slope(change, min(index, night), max(index, night))
+    return abs(index - step.night) <= NEAR or _one_slope(step, min(index, step.night), max(index, step.night), steps)
 
 
-def _end(
-    night: int, group: Sequence[Change], every: Sequence[tuple[int, Change]], nights: Sequence[NightOf]
-) -> tuple[int | None, State]:
+def _one_slope(step: Step, first: int, second: int, steps: Sequence[Step]) -> bool:
+    """Is what lies between two nights one slope, by the prices of a step, between the steps the other way beside it?"""
+    if not step.members:
+        return False
+    segments = np.max([each.segments for each in step.members], axis=0)
+    values = levelled(np.array([over_segments(each.free, each.segments) for each in step.members]))
+    about = (step.change.engine, step.change.case)
+    prices = (other for other in steps if other.members and (other.change.engine, other.change.case) == about)
+    back = [other.night for other in prices if other.change.sense != step.change.sense]
+    if segments[first] != segments[second] or any(first < night <= second for night in back):
+        return False
+    nights = np.arange(len(values))
+    begin = max([night for night in back if night <= first], default=0)
+    end = min([night for night in back if night > second], default=len(values))
+    values[(segments != segments[second]) | (nights < begin) | (nights >= end)] = np.nan
+    return one_drift(values, first, second)
+
+
+def _end(group: Sequence[Step], steps: Sequence[Step], nights: Sequence[NightOf]) -> tuple[int | None, State]:
     """The night on which all of the group was taken back or became another matter, if any."""
-    ends = [_mended(night, change, every) for change in group]
+    ends = [_mended(step, steps) for step in group]
     if None not in ends:
         return max(end for end in ends if end is not None), "mended"
-    if group[0].kind == "price":
+    if group[0].change.kind == "price":
+        night, engine = group[0].night, group[0].change.engine
         first = nights[night]
-        engine = group[0].engine
-        for later in range(night + 1, len(nights)):
-            now = nights[later]
+        for later, now in enumerate(nights[night + 1 :], night + 1):
             if engine in now.versions and (now.machine, now.versions[engine]) != (first.machine, first.versions.get(engine)):
                 return later, "another version"
     return None, "open"
 
 
-def _mended(night: int, change: Change, every: Sequence[tuple[int, Change]]) -> int | None:
+def _mended(step: Step, steps: Sequence[Step]) -> int | None:
     """The first later night that took it back: by the same kind of change the other way; of a price, by most of its size."""
+    change = step.change
     size = math.log(change.ratio) if change.kind == "price" and change.ratio else 0.0
-    for later, other in sorted(every, key=lambda entry: entry[0]):
-        same = (change.kind, change.case, change.engine, change.track, change.where, change.dt) == (
-            (other.kind, other.case, other.engine, other.track, other.where, other.dt)
-        )
-        if later <= night or not same or {change.sense, other.sense} != {"worse", "better"}:
+    for later in sorted(steps, key=lambda each: each.night):
+        other = later.change
+        if later.night <= step.night or _about(other) != _about(change) or {change.sense, other.sense} != {"worse", "better"}:
             continue
         if change.kind == "verdict" and change.sense == "worse" and not as_good(str(other.after), str(change.before)):
             continue
         if not size or not other.ratio:
-            return later
+            return later.night
         size += math.log(other.ratio)
         if abs(size) <= abs(math.log(change.ratio or 1.0)) / 2:
-            return later
+            return later.night
     return None
+
+
+def _about(change: Change) -> tuple[object, ...]:
+    return change.kind, change.case, change.engine, change.track, change.where, change.dt

@@ -9,7 +9,7 @@ from plumbline.harness.history.answer_store import Pool
 from plumbline.harness.history.blocks import last_to_see
 from plumbline.harness.history.budget import bytes_of
 from plumbline.harness.history.folder import History, Night
-from plumbline.harness.history.kept_readings import of_others
+from plumbline.harness.history.readings import of_others
 from plumbline.harness.store import disk
 from plumbline.harness.store.journal import read_journal
 

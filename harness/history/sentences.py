@@ -1,17 +1,17 @@
 """What a night has to say, in sentences: made last, for people and comments, and never read back."""
 
 from collections import Counter
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from itertools import islice
 from typing import Any
 
 from plumbline.harness.findings.changes import Change, Changes
 from plumbline.harness.findings.changes.answers import as_good
 from plumbline.harness.findings.changes.comment import comment
-from plumbline.harness.findings.changes.matching import LOST
 from plumbline.harness.findings.changes.words import command, sentence
 from plumbline.harness.history.acknowledged import Acknowledgement, silenced
 from plumbline.harness.history.changes_since import News
+from plumbline.harness.history.gate import counted, without_answers
 from plumbline.harness.history.identity import Named, change_id
 from plumbline.harness.intake.safe_text import markdown_cell
 
@@ -137,18 +137,7 @@ def _mends(better: Mapping[str, Any], worse: Mapping[str, Any]) -> bool:
 def outcomes_in_short(plan: Mapping[str, Any]) -> str:
     """How trials ended, engine by engine: 'outcomes: mujoco 12 passed, 4 crashed'; '' in nights of an older version."""
     outcomes = plan.get("outcomes", {})
-    return f"outcomes: {'; '.join(_outcomes(engine, of) for engine, of in outcomes.items())}" if outcomes else ""
-
-
-def without_answers(plan: Mapping[str, Any], engines: Iterable[str]) -> list[str]:
-    """A sentence for each of these engines that was asked and has no answer at all."""
-    outcomes: Mapping[str, Mapping[str, int]] = plan.get("outcomes", {})
-    mute = [each for each in engines if each in outcomes and not outcomes[each].keys() - {*LOST, "unsupported"}]
-    return [f"no answer of this engine: {_outcomes(engine, outcomes[engine])}" for engine in mute]
-
-
-def _outcomes(engine: str, counts: Mapping[str, int]) -> str:
-    return f"{engine} {', '.join(f'{count} {status}' for status, count in counts.items())}"
+    return f"outcomes: {'; '.join(counted(engine, of) for engine, of in outcomes.items())}" if outcomes else ""
 
 
 def unconfirmed_in_short(rows: Sequence[Mapping[str, Any]]) -> list[str]:

@@ -9,10 +9,10 @@ from plumbline.harness.findings.changes import Change
 from plumbline.harness.history.acknowledged import Acknowledgement
 from plumbline.harness.history.folder import History, Night
 from plumbline.harness.history.identity import Named
-from plumbline.harness.history.kept_readings import kept_readings
-from plumbline.harness.history.price_steps import CHANCE_OF_ALL, price_steps
-from plumbline.harness.history.regressions import Dated, date, named_by, same_slope
+from plumbline.harness.history.readings import Readings, said_by
+from plumbline.harness.history.regressions import Dated, date, named_by
 from plumbline.harness.history.series import series_of
+from plumbline.harness.history.steps import CHANCE_OF_ALL, price_steps
 from plumbline.harness.store.journal import DamagedFile
 from plumbline.harness.store.store import Store
 
@@ -53,25 +53,27 @@ def over_nights(
     late = list(before[-MOST:])
     if len(late) + 1 < FEWEST:
         return OverNights()
-    begun, readings = time.monotonic(), [kept_readings(history, tonight, store)]
+    begun, contents = time.monotonic(), [said_by(history, tonight, store)]
     for night in reversed(late):
         if time.monotonic() - begun > left * SHARE:
             break
         with suppress(DamagedFile):  # what reads all nights names it
-            readings.insert(0, kept_readings(history, night, night.store()))
-    late = [night for night in late if night.stamp in {reading.night.stamp for reading in readings}]
-    if len(readings) < FEWEST:
+            contents.insert(0, said_by(history, night, night.store()))
+    readings = Readings.of(contents)
+    if len(contents) < FEWEST:
         return OverNights()
     # A night looks at what the nights before it have looked at: each has its share of the chance of the history.
-    steps = tuple(price_steps(series_of(readings, {"price"}), CHANCE_OF_ALL / len(readings)))
-    plans = [night.plan for night in late]
-    told = [*named_by(plans), *(Named.of(row, tonight.stamp) for row in own)]
-    changes, slope = [(step.night, step.change) for step in steps], same_slope(steps)
+    steps = tuple(price_steps(series_of(readings, {"price"}), CHANCE_OF_ALL / len(contents)))
+    stamps = {night.stamp for night in readings.nights}
+    told = [
+        *named_by(night.plan for night in late if night.stamp in stamps),
+        *(Named.of(row, tonight.stamp) for row in own),
+    ]
     fresh: list[Dated] = []
     while True:
         # What is told of one is told of what goes on with it: a drift has several steps, and one name.
         names = [*told, *(Named.of(one.first, one.stamp) for one in fresh)]
-        dated = date([reading.night for reading in readings], changes, known, names, slope)
+        dated = date(readings.nights, steps, known, names)
         untold = next((one for one in dated if one.first.regression and one.state == "open" and not one.told), None)
         if untold is None:
             break

@@ -7,7 +7,7 @@ from pathlib import Path
 from plumbline.harness.history.acknowledged import read_acknowledged
 from plumbline.harness.history.answer_store import Pool
 from plumbline.harness.history.folder import NIGHT, History
-from plumbline.harness.history.kept_readings import FOLDER
+from plumbline.harness.history.readings import FOLDER
 from plumbline.harness.run.verify import Problem, problems
 from plumbline.harness.store import disk
 from plumbline.harness.store.arrays import read_arrays
@@ -31,7 +31,7 @@ def problems_of(history: History) -> Iterator[Problem]:
         yield from _sealed(path, "restore it, or delete the night")
         if not night.whole:
             yield Problem(path, "the night did not come to its end", "the next call goes on with it where it asks the same")
-        yield from problems(night.folder, sound)
+        yield from problems(night.folder, sound, night.plan.get("summaries", {}))
     for path in sorted(history.root.glob("*")):
         if path.name not in _KNOWN:
             yield Problem(path, "is not of this history", "nothing needs it; delete it")

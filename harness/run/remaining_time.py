@@ -28,7 +28,7 @@ Kind = tuple[str, ...]
 def seconds_of_run(trial: Trial, record: Record, case: Case) -> float:
     """What the steps of a run take, of CPU time and roughly; 0 if that is not known or what is clocked is no step."""
     share = 1.0 if trial.experiment.refine is None else STEPS
-    return share * (record.rough_cost or 0.0) * case.duration if case.rays is None else 0.0
+    return share * (record.rough_cost or 0.0) * case.put(trial.parameters).duration if case.rays is None else 0.0
 
 
 class RemainingTime:
@@ -116,7 +116,8 @@ class RemainingTime:
 
     def _steps(self, trial: Trial) -> float:
         settings = trial.settings
-        return self._cases[trial.case].duration / settings.dt * (settings.substeps or 1) * trial.members
+        duration = self._cases[trial.case].put(trial.parameters).duration
+        return duration / settings.dt * (settings.substeps or 1) * trial.members
 
     def _seconds(self, trial: Trial) -> float:
         """Of an answer: the shortest of all for its start, and the mean beyond that times its steps over their mean."""

@@ -6,6 +6,7 @@ import re
 from collections.abc import Container, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import pandas as pd
@@ -47,10 +48,13 @@ class Problem:
         return f"{self.path}: {self.what}; {self.cure}"
 
 
-def problems(folder: Path, sound: Container[tuple[int, int]] = ()) -> Iterator[Problem]:
+def problems(
+    folder: Path, sound: Container[tuple[int, int]] = (), written: Mapping[str, str] = MappingProxyType({})
+) -> Iterator[Problem]:
     """All that is wrong with a run folder, file by file; it is only read.
 
     Args: sound: device and number of trajectories that are known to be what their names say, whatever folder they lie in.
+    written: digests of summaries as they were written, by name, where a sealed file says them: these are not made again.
     Raises: StoreError, where it is no run folder.
     """
     store = Store(folder)
@@ -70,7 +74,7 @@ def problems(folder: Path, sound: Container[tuple[int, int]] = ()) -> Iterator[P
     yield from _trajectories(store.folder, index, sound)
     yield from _truths(store.folder)
     yield from _imports(store.folder)
-    yield from _summaries(store, index)
+    yield from _summaries(store, index, written)
     yield from _strangers(store.folder, index)
 
 
@@ -209,8 +213,9 @@ def _imports(folder: Path) -> Iterator[Problem]:
         yield Problem(path, what, "run the robot's file again into this folder with --resume")
 
 
-def _summaries(store: Store, index: Index) -> Iterator[Problem]:
-    if not index.sessions:
+def _summaries(store: Store, index: Index, written: Mapping[str, str]) -> Iterator[Problem]:
+    as_written = (path.is_file() and disk.digest(path) == due for name, due in written.items() if (path := store.folder / name))
+    if not index.sessions or (written and all(as_written)):
         return
     try:
         due = summaries(store)

@@ -170,7 +170,9 @@ def _base(here: Sequence[Point], case: Case) -> Point:
 
 def _finest(here: Sequence[Point], case: Case) -> Point | None:
     """The first point at the finest step of those that may be tried again in time: 'tuned' where it stands."""
-    first = [point for point in here if point.trial.round == 0 and point.cost * case.duration < LONGEST]
+    first = [
+        point for point in here if point.trial.round == 0 and point.cost * case.put(point.trial.parameters).duration < LONGEST
+    ]
     return min(first, key=lambda point: (point.trial.settings.dt, point.trial.track != "tuned"), default=None)
 
 
@@ -317,7 +319,7 @@ def _neighbours(front: Sequence[Point], live: Sequence[str], case: Case, adapter
     coarsest, finest = BEYOND * max(case.ladder), min(case.ladder) / BEYOND
     moves: list[list[tuple[Trial, Settings]]] = []
     for point in front:
-        settings, taken = point.trial.settings, point.cost * case.duration
+        settings, taken = point.trial.settings, point.cost * case.put(point.trial.parameters).duration
         near: list[tuple[Trial, Settings]] = []
         for dt in (settings.dt * 2, settings.dt / 2):
             if finest * (1 - 1e-9) <= dt <= coarsest * (1 + 1e-9) and taken * settings.dt / dt < LONGEST:

@@ -6,7 +6,9 @@ declares to be off although its content has it, and with continuous collision wh
 the scene as it is at half the time step and at half of that.
 
 An effect matters where leaving it out (or taking it in) moves some body, at some sample, further than halving the time step
-has moved any up to then, twice over and by more than `FLOOR`: what is smaller is lost in the error that the run has anyway. In
+has moved any up to then, twice over and by more than `FLOOR`: what is smaller is lost in the error that the run has anyway.
+Machines differ in rounding, and a contact that one of them finds a step later may move such a figure by half: what lies within
+a factor of `MARGIN` of that bar is not judged. In
 a chaotic scene both grow until neither says anything, which is why they are compared sample by sample and not at the end. An
 effect also matters where a check that held breaks without it.
 
@@ -44,6 +46,8 @@ from plumbline.harness.trajectory.kinematics import angle_between
 FLOOR = 1e-9
 """Metres and radians: what rounding makes of metres within some ten thousand steps."""
 TWICE = 2.0
+MARGIN = 2.0
+"""Factor about the bar within which nothing is said, since another machine may say the opposite."""
 SHRUNK = 0.75
 """Of what halving the step does, the share that halving it again may do: half in the first order, and half as much again for a
 contact that falls elsewhere within its step."""
@@ -59,12 +63,24 @@ class Consequence:
     Terms:
         moved: how far it moves a body [m, rad], at the sample that says most. own: what halving the time step has done up to
         there. matters: is that more than the run's own error, or does a check break that held? None where the engine has not
-        converged enough to say so.
+        converged enough to say so, or `near` where it has and both are too near to each other.
     """
 
     moved: float
     own: float
     matters: bool | None
+    near: bool = False
+
+    def doubt(self, scale: "Scale") -> str:
+        """Why it is not known whether it matters; nothing where it is."""
+        if self.matters is not None:
+            return ""
+        if not self.near:
+            return scale.doubt
+        return (
+            f"moves a body by {self.moved:.2g} m or rad, within a factor of {MARGIN:g} of the bar, {TWICE:g} times the "
+            f"{self.own:.2g} that halving the step does"
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,12 +149,16 @@ def compared(plain: Mapping[str, Any], other: Mapping[str, Any], scale: Scale) -
     known = np.flatnonzero(~np.isnan(moved) & ~np.isnan(scale.own))
     if len(known) == 0:
         return Consequence(float(np.fmax.reduce(moved, initial=0.0)), float("nan"), matters=None)
-    beyond = known[moved[known] > np.maximum(TWICE * scale.own[known], FLOOR)]
+    over = moved[known] / np.maximum(TWICE * scale.own[known], FLOOR)
+    beyond, near = known[over > MARGIN], known[over > 1 / MARGIN]
     believed = beyond[scale.converged[beyond]]
-    shown = believed if len(believed) else beyond if len(beyond) else known
+    shown = next((samples for samples in (believed, beyond, near) if len(samples)), known)
     sample = shown[np.argmax(moved[shown])]
-    matters = True if len(believed) else None if len(beyond) or not scale.converged[known[-1]] else False
-    return Consequence(float(moved[sample]), float(scale.own[sample]), matters=matters)
+    converged = bool(scale.converged[known[-1]])
+    matters = True if len(believed) else None if len(near) or not converged else False
+    return Consequence(
+        float(moved[sample]), float(scale.own[sample]), matters=matters, near=converged and not len(beyond) and bool(len(near))
+    )
 
 
 def apart(first: Mapping[str, Any], second: Mapping[str, Any]) -> Floats:

@@ -19,8 +19,8 @@ class StoredNotice:
 
 
 def short_of(notices: Iterable[StoredNotice]) -> str:
-    """What an engine could not hold, for the end of a reason: '; contacts reached 1000, ...'; '' if it held all."""
-    return "".join(f"; {notice.text}" for notice in notices if notice.kind == "capacity")
+    """What an engine could not hold, before the rest of a reason: 'contacts reached 1000, ...; '; '' if it held all."""
+    return "".join(f"{notice.text}; " for notice in notices if notice.kind == "capacity")
 
 
 def notice_of(line: str) -> StoredNotice:

@@ -10,6 +10,7 @@ from typing import Any, TypeAlias
 from plumbline.harness.adapter import Adapter, Settings, SettingsError
 from plumbline.harness.case import Case, Clocks
 from plumbline.harness.case.alteration import ALONE, REFINED, Alteration, departures
+from plumbline.harness.case.own_truth import refused
 from plumbline.harness.intake.allowance import beyond
 from plumbline.harness.scene import Scene
 from plumbline.harness.study.axes import axis_of, steps_of
@@ -53,7 +54,7 @@ def trials_of(
                 question = question_of(case, parameters, scene)
                 clocked = list(_clocked(experiment, case, parameters))
                 for dt, (track, engine, settings, parts) in product(steps_of(experiment, case), sides):
-                    if excess := too_much(case, scene, dt / (parts or 1), every_step=experiment.determinism):
+                    if excess := too_much(case.put(parameters), scene, dt / (parts or 1), every_step=experiment.determinism):
                         raise StudyError(f"experiment '{experiment.name}': case '{case.name}': {excess}")
                     for clocks, workers in clocked:
                         trial = Trial(
@@ -79,6 +80,19 @@ def trials_of(
                             yield from _altered(trial, case, engine, scene)
                         if experiment.determinism:
                             yield from _again(trial, case, engine)
+
+
+def check_truths(experiments: Sequence[Experiment], cases: Mapping[str, Case]) -> None:
+    """Put each closed form to its case's own checks, at all parameters that an experiment names.
+
+    Raises: StudyError: naming the case and the parameters at which its truth breaks a bound of its own.
+    """
+    for experiment in experiments:
+        for case in (case for case in cases.values() if experiment.asks(case.name)):
+            for parameters, _ in parameters_of(experiment, case):
+                scene_of(case, parameters)
+                if reason := refused(case, parameters, min(steps_of(experiment, case))):
+                    raise StudyError(f"experiment '{experiment.name}': {reason}")
 
 
 def _check_count(
@@ -151,7 +165,7 @@ def parameters_of(experiment: Experiment, case: Case) -> Iterator[tuple[dict[str
             raise StudyError(f"experiment '{experiment.name}': case '{case.name}' has no parameter '{name}', expected: {known}")
     for name, values in experiment.parameters.items():
         for value in values:
-            if reason := misfit(case.parameters[name], value):
+            if reason := misfit(case.parameters, name, value):
                 raise StudyError(f"experiment '{experiment.name}': case '{case.name}': parameter '{name}': {reason}")
     for values in product(*experiment.parameters.values()):
         chosen = dict(case.parameters) | dict(zip(experiment.parameters, values, strict=True))

@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from plumbline.harness.case import Case
+from plumbline.harness.case import Case, Parameters
 from plumbline.harness.intake.allowance import beyond
 from plumbline.harness.intake.safe_text import quoted, readable
 from plumbline.harness.scene import Camera, DepthCamera, Lidar, Scene, Sensor
@@ -14,8 +14,9 @@ class NoScene(ValueError):
     """Parameters at which a case has no scene; the message names the case, the parameters and the reason."""
 
 
-def misfit(own: Any, value: bool | int | float | str) -> str:
-    """What is wrong with a value for a parameter whose own value in the case is known, in words; '' where it fits."""
+def misfit(parameters: Parameters, name: str, value: bool | int | float | str) -> str:
+    """What is wrong with a value for a parameter of a case, in words; '' if nothing is."""
+    own = parameters[name]
     if isinstance(own, bool) and not isinstance(value, bool):
         return f"{quoted(value)}, expected true or false"
     if isinstance(own, int | float) and not isinstance(own, bool) and (isinstance(value, bool | str)):
@@ -24,9 +25,15 @@ def misfit(own: Any, value: bool | int | float | str) -> str:
         return f"{quoted(value)}, expected a text like {quoted(own)}"
     if isinstance(own, list | tuple):
         return f"{quoted(value)}, expected none: a study cannot set it"
-    if isinstance(own, int) and not isinstance(own, bool) and not isinstance(value, str):
-        return beyond("things", abs(value))
-    return ""
+    if (
+        isinstance(own, int)
+        and not isinstance(own, bool)
+        and not isinstance(value, str)
+        and (excess := beyond("things", abs(value)))
+    ):
+        return excess
+    reason = parameters.misfit(name, value)
+    return f"{quoted(value)}, expected {reason}" if reason else ""
 
 
 def scene_at(case: Case, parameters: Mapping[str, Any]) -> Scene:

@@ -14,7 +14,7 @@ from plumbline.harness.intake.near_miss import did_you_mean
 from plumbline.harness.intake.safe_text import quoted
 from plumbline.harness.intake.typed_fields import FieldError, filled
 from plumbline.harness.scene.values import FROZEN, Name
-from plumbline.harness.study.expansion import trials_of
+from plumbline.harness.study.expansion import check_truths, trials_of
 from plumbline.harness.study.experiment import Experiment, FolderName, Some, StudyError, Variant
 from plumbline.harness.study.trial import Trial
 
@@ -47,6 +47,10 @@ class Study:
                 if variant.beside not in known:
                     others = ", ".join(sorted(other for other in known if other is not None))
                     raise ValueError(f"variant '{engine}/{name}': beside is '{variant.beside}', expected one of {others}")
+
+    def check_truths(self, cases: Mapping[str, Case]) -> None:
+        """Raises: StudyError, where a case does not hold at parameters that it names."""
+        check_truths(self.experiments, cases)
 
     def trials(
         self,

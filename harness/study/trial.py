@@ -109,9 +109,10 @@ def scene_of(case: Case, parameters: Mapping[str, Any]) -> Scene:
 def question_of(case: Case, parameters: Mapping[str, Any], scene: Scene) -> str:
     """A digest of what is asked: the scene, how long it runs, what is sampled, what acts on it, its retellings, its rays."""
     scene_digest = hashlib.sha256(dump_json(scene).encode()).hexdigest()
-    asked = [scene_digest, case.duration, case.sample_interval, case.with_contacts]
+    case = case.put(parameters)
+    asked: list[Any] = [scene_digest, float(case.duration), case.sample_interval, case.with_contacts]
     if case.control is not None:
-        control = case.control(case.at(**parameters))
+        control = case.control(case.parameters)
         asked += [control.interval, hashlib.sha256(wrench_after(control, State.initial(scene))).hexdigest()]
     if case.retellings is not None:
         asked += [
@@ -121,10 +122,10 @@ def question_of(case: Case, parameters: Mapping[str, Any], scene: Scene) -> str:
                 retelling.restored_at,
                 hashlib.sha256(dump_json(retelling.scene).encode()).hexdigest(),
             ]
-            for retelling in case.retellings(case.at(**parameters))
+            for retelling in case.retellings(case.parameters)
         ]
     if case.rays is not None:
-        rays = case.rays(case.at(**parameters))
+        rays = case.rays(case.parameters)
         asked.append(hashlib.sha256(rays.origins.tobytes() + rays.directions.tobytes()).hexdigest())
         asked.append(rays.max_range)
     return digest(asked)

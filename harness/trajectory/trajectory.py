@@ -72,7 +72,8 @@ class Contacts:
     """The contact points of one instant.
 
     Terms:
-        body_A, body_B (k,): places in the scene's bodies, A < B. point_W (k, 3) m. normal_W (k, 3) from A to B.
+        body_A, body_B (k,): places in the scene's bodies, A < B. point_W (k, 3) m, half-way between the two surfaces.
+        normal_W (k, 3) from A to B.
         gap (k,) m, negative in penetration. force_W (k, 3) N on B, averaged over the last step.
     """
 

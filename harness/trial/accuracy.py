@@ -26,6 +26,7 @@ from plumbline.harness.adapter.what_comes_out import Answering
 from plumbline.harness.case import Case, Converged, Rays
 from plumbline.harness.case.commands import acting
 from plumbline.harness.case.forces import Controlled
+from plumbline.harness.case.own_truth import breaks
 from plumbline.harness.case.symmetries import Retelling
 from plumbline.harness.metric import Metric, NotMeasurable
 from plumbline.harness.scene import Scene
@@ -67,18 +68,22 @@ def cast_once(simulation: Simulation, rays: Rays) -> dict[str, Floats]:
     return {"rays/time": np.zeros(1), "rays/range_ideal": hits.distance[None], "rays/body": bodies}
 
 
+class TruthBroken(NotMeasurable):
+    """The truth of a case misses one of its own bounds, so that no engine can be judged by it; the text says which."""
+
+
 def judge(case: Case, scene: Scene, actual: Trajectory, made: Converged | None) -> tuple[Measurement, ...]:
     """All checks and observations of a case on one trajectory.
 
     The bound of a distance [m] or speed [m/s] to the truth grows by the truth's own error.
+
+    Raises: TruthBroken: an answer misses a bound that the truth misses as well.
     """
     expected = None if made is None else made.trajectory
     own = {} if made is None else {"m": made.position_error, "m/s": made.velocity_error}
     measurements = []
     for check in case.checks:
-        end = math.inf if check.end is None else check.end
-        judged = actual.between(check.start, end) if check.start > 0 or check.end is not None else actual
-        truth = None if expected is None else (expected.between(check.start, end) if judged is not actual else expected)
+        judged, truth = check.judged(actual), None if expected is None else check.judged(expected)
         bound = check.bound(actual.dt, case.parameters)
         because = check.because if check.metric.better == "lower" else f"at least this: {check.because}"
         try:
@@ -89,6 +94,15 @@ def judge(case: Case, scene: Scene, actual: Trajectory, made: Converged | None) 
                 bound += off
                 passed = bool(np.isfinite(value)) and value <= bound
                 because = f"{because}; and {off:.2g} {check.metric.unit} that the truth itself may be off"
+            if (
+                not passed
+                and truth is not None
+                and case.expected is not None
+                and (reason := breaks(check, scene, replace(truth, dt=actual.dt), bound))
+            ):
+                raise TruthBroken(reason)
+        except TruthBroken:
+            raise
         except (NotMeasurable, MemoryError) as error:
             value, passed, because, off = math.nan, None, _blind(error), 0.0
         measurements.append(
@@ -241,13 +255,13 @@ def _stepped(trial: Trial, case: Case, adapter: Adapter, scene: Scene, sample_in
         simulation = cast(Simulation, Answering(clocked(cast(Simulation, WorldOf(batch, worlds - 1))), scene))
     else:
         simulation = paced(cast(Simulation, Answering(clocked(adapter.build(scene, trial.settings)), scene)), pace)
-        control = acting(scene, None if case.control is None else case.control(case.at(**trial.parameters)))
+        control = acting(scene, None if case.control is None else case.control(case.parameters))
         if control is not None:
             simulation = cast(Simulation, Controlled(simulation, control, pace, len(scene.bodies)))
     try:
         readable = Feature.CONTACTS | Feature.CONTACT_FORCES in adapter.features
         with_contacts = case.with_contacts and readable and batch is None
-        seen = {} if case.rays is None else cast_once(simulation, case.rays(case.at(**trial.parameters)))
+        seen = {} if case.rays is None else cast_once(simulation, case.rays(case.parameters))
         actual, broke = simulate(
             simulation,
             scene,
@@ -269,7 +283,7 @@ def _stepped(trial: Trial, case: Case, adapter: Adapter, scene: Scene, sample_in
     finally:
         simulation.close()
     if case.retellings is not None and broke is None and not trial.alteration.every_step:
-        for retelling in case.retellings(case.at(**trial.parameters)):
+        for retelling in case.retellings(case.parameters):
             other = replace(retelling, scene=trial.alteration.of(retelling.scene))
             streams, remarks = equivalent_streams(other, adapter, trial.settings, case.duration, case.sample_interval)
             seen, warnings = seen | streams, (*warnings, *map(StoredNotice, remarks))
@@ -313,6 +327,7 @@ def run_trial(
 
     Args: answered: is told what is known once the engine has answered, before its answer is judged.
     """
+    case = case.put(trial.parameters)
     scene = trial.scene(case)
     try:
         answer = answer_of(trial, case, adapter, scene)
@@ -339,9 +354,12 @@ def run_trial(
         bounded_case = bounded(
             case, answer.pace.longest, answer.substep(trial.settings), trial.parameters, folder, trial.sources
         )
-        measurements = judge(bounded_case, scene, actual, truth)
+        try:
+            measurements = judge(bounded_case, scene, actual, truth)
+        except TruthBroken as error:
+            return unjudged(plain, case, str(error))
     status, reason = _verdict(measurements) if broke is None else ("diverged", broke)
-    reason += "" if status == "passed" else short_of(warnings)
+    reason = reason if status == "passed" else short_of(warnings) + reason
     return replace(
         plain,
         status=status,

@@ -105,11 +105,12 @@ class Bench:
 
     def __init__(self, case: Case, adapter: Adapter, trial: Trial, *, settled: bool = True) -> None:
         self._adapter, self._trial = adapter, trial
+        case = case.put(trial.parameters)
         self._scene = trial.scene(case)
-        self._rays = None if case.rays is None else case.rays(case.at(**trial.parameters))
+        self._rays = None if case.rays is None else case.rays(case.parameters)
         if trial.clocks == "casting":
             self._rays = bare_rays(self._scene)
-        self._control = acting(self._scene, None if case.control is None else case.control(case.at(**trial.parameters)))
+        self._control = acting(self._scene, None if case.control is None else case.control(case.parameters))
         self._worlds = case.count_of_worlds(trial.parameters)
         self.unit, self.dt = case.unit(trial.parameters, trial.clocks), trial.settings.dt
         self.endless = self._rays is not None or trial.clocks == "call"

@@ -83,6 +83,7 @@ def _fate(trial: Trial, case: Case, adapter: Adapter, number: int, folder: Path 
     """Raises: NotMeasurable, Unsupported, Unavailable, SettingsError."""
     seeded = {"seed": number} if "seed" in trial.parameters else {}
     plain = replace(trial, parameters={**trial.parameters, **seeded}, seed=number)
+    case = case.put(plain.parameters)
     scene = plain.scene(case)
     start = member(scene, number, trial.settings.dt, turn=not scene.sensors) if _varies(case) else Member(scene, None)
     answer = answer_of(plain, case, adapter, start.scene)
@@ -147,7 +148,7 @@ def endure(trial: Trial, case: Case, adapter: Adapter, folder: Path | None) -> R
     beside = Counter(fate.beside for fate in fates if fate.beside)
     shown = min(broken, key=lambda fate: fate.time, default=fates[0])
     reason = f"{len(broken)} of {len(fates)} broke: {_listed(counts)}" if broken else f"all {len(fates)} held"
-    reason += short_of(shown.answer.warnings) if broken else ""
+    reason = short_of(shown.answer.warnings) + reason if broken else reason
     if beside:
         reason += f"; beside the question, in a scene not meant to stand: {_listed(beside)}"
     made = [Measurement(metric=HELD, value=1 - len(broken) / len(fates), unit="1", at_most=1.0, passed=not broken)]

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from plumbline.harness.history.night_readings import NightOf
 from plumbline.harness.history.panels import Panel
+from plumbline.harness.history.readings import NightOf
 from plumbline.reports.charts.figure import Figure
 from plumbline.reports.charts.grammar import Row, channel, chart, hovering
 from plumbline.reports.charts.marks import POINT, finished

@@ -109,7 +109,7 @@ def _answers(trends: Trends) -> list[tuple[Series, str, float, float, int]]:
     value, and how many nights changed its bits or value."""
     rows = []
     for one in trends.series:
-        if one.subject.kind == "price":
+        if one.kind == "price":
             continue
         there = [n for n, trial in enumerate(one.trials) if trial]
         changed = [b for a, b in pairwise(there) if _otherwise(one, a, b)]

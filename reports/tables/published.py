@@ -24,7 +24,7 @@ class PublishedRow:
     @property
     def other(self) -> bool:
         """Was another version run here than was published, or none?"""
-        return self.beside is not None and self.beside.version_here != self.version
+        return self.beside is not None and self.beside.version_here != self.beside.version
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

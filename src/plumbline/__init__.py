@@ -17,6 +17,16 @@ A scene is built of the nouns that its TOML has, in SI units and radians:
     scene = plumbline.Scene(bodies=[plumbline.Body(name="ball", mass=1.0, v_WB=(3.0, 0.0, 8.0))])
     print(plumbline.to_toml(scene))
 
+The nouns:
+
+    Scene, Body, PlacedShape, Surface                       what is there, its shapes, and what happens where materials touch
+    Box, Sphere, Capsule, Cylinder, Ellipsoid, Plane, ConvexHull, TriangleMesh          shapes
+    Revolute, Prismatic, Ball, Fixed, Distance              joints; with Limits, Drive, Spring, Coupling
+    Imu, Lidar, Camera, DepthCamera                         sensors, with their noise
+    box_inertia, sphere_inertia, ...                        moments of solids
+
+`help(plumbline.run)` and `help(plumbline.Body)` have every argument, with its unit.
+
 Wrong input raises `PlumblineError`; the message names file, element, value and what was expected. Each run is a process of
 its own, so that an engine that crashes is an outcome with its reason. The names in `__all__` are the interface; all else may
 change.

@@ -1,11 +1,13 @@
 """The page on fairness: its false findings have dates, and each is kept from coming back by tests that there are."""
 
+import fnmatch
 import re
 from datetime import date
 from pathlib import Path
 
 import pytest
 
+from plumbline.harness.findings.vendor.shelf import shelf
 from plumbline.harness.study import plugins
 from plumbline.harness.study.study import load_study
 from plumbline.reports.words.disputes import TABLE, read
@@ -56,3 +58,30 @@ def test_what_is_disputed_is_of_engines_cases_axes_and_studies_that_there_are() 
         case = plugins.case(one.case)
         assert one.axis in ("", *case.parameters)
         assert not one.study or load_study(one.study).name == one.study
+
+
+def tried() -> dict[str, tuple[str, str]]:
+    """What was tried against each claim, and what came of it, by the finding's name or the case."""
+    lines = (
+        PAGE.read_text(encoding="utf-8")
+        .split("## Claims as their vendor's advocate tried them")[1]
+        .split("\n## ")[0]
+        .splitlines()
+    )
+    cells = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines if line.startswith("| `")]
+    assert all(len(row) == 3 for row in cells)
+    return {name.strip("`"): (attempt, outcome) for name, attempt, outcome in cells}
+
+
+def test_no_finding_and_no_limit_is_without_a_row_of_what_its_vendor_s_advocate_tried() -> None:
+    searched = [
+        case
+        for experiment in load_study("limits").experiments
+        if experiment.limit is not None
+        for pattern in experiment.cases
+        for case in fnmatch.filter(plugins.names("cases"), pattern)
+    ]
+    claims = {finding.name for finding in shelf()} | set(searched)
+    assert claims - tried().keys() == set()
+    assert tried().keys() - claims == set(), "a claim that is made no more"
+    assert all(attempt and outcome for attempt, outcome in tried().values())

@@ -55,10 +55,11 @@ def put(
 ) -> Answer:
     """Run a case on an engine; `spoil` changes what was recorded, `sensors` what readers are told."""
     chosen = dict(case.parameters) | ({"seed": 0} if case.ensemble > 1 else {}) | dict(parameters or {})
-    scene = case.scene(case.at(**chosen))
+    case = case.put(chosen)
+    scene = case.scene(case.parameters)
     simulation = adapter.build(scene, settings)
     if case.control is not None:
-        simulation = cast(Simulation, Controlled(simulation, case.control(case.at(**chosen)), settings.dt, len(scene.bodies)))
+        simulation = cast(Simulation, Controlled(simulation, case.control(case.parameters), settings.dt, len(scene.bodies)))
     try:
         actual, broke = simulate(
             simulation,

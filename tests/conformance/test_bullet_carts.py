@@ -73,9 +73,10 @@ def test_no_drive_pushes_a_cart_faster_than_its_wheels_roll(damping: float, dt: 
     momenta, rates, _ = driven(cart(*turn, damping), TUNED.with_dt(dt), 0.5)
     mass, inertia = CHASSIS + 4, 0.4 * RADIUS**2
     assert np.linalg.norm(momenta, axis=1).max() < mass * max(turn) * RADIUS
-    # A drive may push a wheel beyond its rate by what friction, mu m g/4 at the rim, held it by in a step; friction itself may
-    # push as much.
-    assert rates.max() < max(turn) + 2 * 0.8 * mass * G / 4 * RADIUS * dt / inertia
+    # A drive may push a wheel beyond its rate by what friction, mu m g/2 at the rim, held it by in a step; friction itself may
+    # push as much. Statics leave open how four wheels share the weight: two across may bear all of it, and which ones do is up
+    # to the last bit of the first step.
+    assert rates.max() < max(turn) + 2 * 0.8 * mass * G / 2 * RADIUS * dt / inertia
 
 
 @pytest.mark.parametrize("wheel", [0.2, 0.8, 2.0])
@@ -84,7 +85,7 @@ def test_light_and_heavy_wheels_of_any_grip_stay_in_bounds(wheel: float, frictio
     momenta, rates, _ = driven(cart(10.0, 40.0, 50.0, wheel, friction), TUNED.with_dt(1 / 240), 0.5)
     mass, inertia = CHASSIS + 4 * wheel, 0.4 * wheel * RADIUS**2
     assert np.linalg.norm(momenta, axis=1).max() < mass * 40.0 * RADIUS
-    # As above, with all of the weight on the two wheels of a side.
+    # As above; a turn puts all of the weight on the two wheels of a side.
     assert rates.max() < 40.0 + 2 * friction * mass * G / 2 * RADIUS / 240 / inertia
 
 

@@ -74,6 +74,15 @@ class contact_normal_flipped(Wrapped):
         return replace(got, normal_W=-got.normal_W)
 
 
+@fault("contact_point_is_half_way", needs=_C | Feature.SPHERE | Feature.BOX)
+class contact_point_on_one_surface(Wrapped):
+    """the points of contacts lie on the surface of the first body"""
+
+    def contacts(self) -> Contacts:
+        got = self.inner.contacts()
+        return replace(got, point_W=got.point_W - got.gap[:, None] / 2 * got.normal_W)
+
+
 @fault("gap_is_negative_in_penetration", needs=_C | Feature.SPHERE)
 class gap_positive_in_penetration(Wrapped):
     """penetration is handed out as a positive gap"""

@@ -55,6 +55,7 @@ def plant(adapter: Adapter, kind: type[Broken] = Broken, **changes: Callable[...
         distribution=adapter.distribution,
         features=adapter.features,
         tracks=adapter.tracks,
+        knobs=adapter.knobs,
         inner=adapter,
         **changes,
     )

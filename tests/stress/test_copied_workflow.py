@@ -12,23 +12,17 @@ from typing import Any
 import pytest
 import yaml
 
+from tests.study_texts import ONE_CASE
+
 ROOT = Path(__file__).parents[2]
 WORKFLOW = ROOT / "docs" / "nightly-workflow.yml"
-STUDY = """
-name = "few"
-recordings = false
-[[experiments]]
-name = "look"
-cases = ["friction_stop"]
-timing = false
-"""
 FEW = "--engine mujoco --no-report --study"
 """What makes a night of it one of seconds."""
 
 
 def program(folder: Path) -> Path:
     """A folder with a command `plumbline` of these sources, whose nights are short."""
-    (folder / "few.toml").write_text(STUDY)
+    (folder / "few.toml").write_text(ONE_CASE)
     path = folder / "bin" / "plumbline"
     path.parent.mkdir()
     words = f'exec "{sys.executable}" -m plumbline "$@"'
@@ -89,7 +83,7 @@ def test_the_workflow_keeps_a_history_shows_the_summary_and_fails_with_its_gate(
     badge = subprocess.run(["git", "show", "badges:plumbline.svg"], cwd=bare, capture_output=True, text=True, check=True).stdout
     assert "no change" in badge
     # No price was clocked and all is recalled; but a share of what nobody can reach fails the gate, and what was kept stays.
-    (tmp_path / "few.toml").write_text(STUDY.replace("friction_stop", "flight_projectile"))
+    (tmp_path / "few.toml").write_text(ONE_CASE.replace("friction_stop", "flight_projectile"))
     codes = carried_out(workspace, commands, files, "--gate mujoco --judged 1")
     assert codes == {**dict.fromkeys(sound, 0), "the gate": 1}
     assert len([*(workspace / "history" / "nights").iterdir()]) == 3

@@ -14,8 +14,9 @@ import numpy as np
 import pytest
 
 from plumbline.harness.history.folder import opened
+from plumbline.harness.history.gate import reasons, without_answers
 from plumbline.harness.history.night import Asked
-from plumbline.harness.history.sentences import open_since, without_answers
+from plumbline.harness.history.sentences import open_since
 from plumbline.harness.run import campaign
 from plumbline.harness.store.record import Record
 from tests import nights as planting
@@ -180,12 +181,10 @@ def carried_out(history: Planted, root: Path) -> Iterator[tuple[int, list[str], 
             drawn(patch, history.share)
             with under():
                 last, news, account = night(root, ((history.asks or {}).get(number) or asked)())
-        mute = without_answers(account, ENGINES)
-        said = [*(row["sentence"] for row in account["told"]), *mute]
+        said = [*(row["sentence"] for row in account["told"]), *without_answers(account, ENGINES)]
         said += [f"{row['sentence']}" for row in account["unconfirmed"]]
-        barred = [] if news is None else news.regressions(ENGINES)
         before = [each.plan for each in opened(root).whole_nights() if each != last]
-        yield int(bool(barred or mute)), said, len(open_since(before, {}, (), account["told"]))
+        yield int(bool(reasons(news, account, ENGINES, 0.0))), said, len(open_since(before, {}, (), account["told"]))
 
 
 def in_words(code: int, said: Sequence[str], standing: int) -> str:

@@ -10,20 +10,13 @@ from typing import Any
 import pytest
 
 from tests.stress.test_planted_nights import FAULTY, PACKAGES, ROOT
+from tests.study_texts import ONE_CASE
 from tests.workflows import Job, Runner, jobs
 
 LONGEST = 65_536
 """Characters of a comment or an issue. Source: GitHub's own refusal of longer ones."""
 LARGEST = 100 * 2**20
 """Bytes of a file that GitHub takes. Source: GitHub Docs, About large files on GitHub."""
-STUDY = """
-name = "few"
-recordings = false
-[[experiments]]
-name = "look"
-cases = ["friction_stop"]
-timing = false
-"""
 BUDGET = "10m"
 """Of a night that takes seconds of CPU time; on a machine that others load too."""
 
@@ -58,7 +51,7 @@ def origin(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, str, str]:
         shutil.copy(ROOT / name, tree / name)
     (tree / "docs").mkdir()
     shutil.copy(ROOT / "docs" / "book.md", tree / "docs" / "book.md")
-    (tree / "few.toml").write_text(STUDY)
+    (tree / "few.toml").write_text(ONE_CASE)
     sound = commit(tree, "sound")
     path = tree / "adapters" / "reference" / "surfaces.py"
     text = path.read_text()

@@ -5,12 +5,14 @@ spreads; one series alone cannot place that to the night (whoever knows that the
 60), so three that should move together are asked.
 """
 
+import tracemalloc
 from collections.abc import Callable
 
 import numpy as np
 import pytest
 
 from plumbline.harness.statistics.change_points import change_points, common_mode, levelled
+from plumbline.harness.statistics.drift import ENDS, one_drift
 from plumbline.harness.trajectory import Floats
 from tests.synthetic_nights import NIGHTS, History, history
 
@@ -77,6 +79,19 @@ def test_a_new_version_opens_a_segment_and_is_no_change() -> None:
     series = step(0.5, 30)
     assert change_points(series)
     assert not change_points(series, (np.arange(NIGHTS) >= 30).astype(np.int64))
+
+
+def test_a_slope_over_a_thousand_nights_is_one_and_takes_no_more_memory_than_a_short_one_does() -> None:
+    nights = np.arange(1000.0)
+    rising = np.exp(0.3 * np.clip((nights - 200) / 600, 0, 1))
+    stairs = np.exp(0.15 * (nights >= 400) + 0.15 * (nights >= 600))
+    noise = np.exp(np.random.default_rng(5).normal(0, 0.01, 1000))
+    tracemalloc.start()
+    assert one_drift(rising * noise, 400, 600)
+    assert not one_drift(stairs * noise, 400, 600)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert peak < 4 * 8 * ENDS**2 / 2 * 1000  # four arrays of a number for each night and each pair of ends
 
 
 def test_too_few_nights_give_no_answer_and_nights_without_any_price_no_trouble() -> None:

@@ -14,6 +14,7 @@ from plumbline.harness.history.regressions import read_trends
 from plumbline.harness.history.retention import prune, pruning
 from plumbline.harness.history.verify_history import problems_of
 from plumbline.harness.store import disk
+from plumbline.harness.store.journal import Journal
 from plumbline.harness.store.seal import sealed_json
 from plumbline.harness.store.store import read_plain
 from tests.conftest import Command
@@ -208,6 +209,16 @@ def test_who_is_notified_ends_with_the_budget_and_the_lock_is_not_held_meanwhile
     assert done.returncode == 0
     assert "--notify: ended after" in done.stderr
     assert held.read_text() == "free\n"
+
+
+def test_a_night_in_which_nothing_was_answered_stops_no_trends(root: Path) -> None:
+    folder = root / "nights" / "20240101T013000Z"
+    folder.mkdir()
+    Journal(folder).close()
+    for name in ("catalogue.json", "machine.json"):
+        shutil.copy(last(root) / name, folder / name)
+    trends = read_trends(opened(root))
+    assert ([night.stamp for night in trends.nights][:1], len(trends.nights), trends.unread) == ([folder.name], 3, ())
 
 
 def test_a_lock_that_is_no_file_is_named(root: Path, words: list[str | Path], printed: Command) -> None:

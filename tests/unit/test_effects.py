@@ -209,10 +209,23 @@ def by(plain: dict[str, object], other: dict[str, object], finer: list[float], f
 
 def test_what_is_lost_in_the_own_error_does_not_matter() -> None:
     plain, finer, finest = run([0.0, 1.0, 2.0]), [0.0, 1.001, 2.003], [0.0, 1.0015, 2.0045]
-    assert by(plain, run([0.0, 1.001, 2.005]), finer, finest).matters is False
-    assert by(plain, run([0.0, 1.001, 2.007]), finer, finest).matters is True
+    assert by(plain, run([0.0, 1.0005, 2.0029]), finer, finest).matters is False
+    assert by(plain, run([0.0, 1.001, 2.013]), finer, finest).matters is True
     exact = [0.0, 1.0, 2.0]
-    assert by(plain, run([0.0, 1.0 + FLOOR / 2, 2.0]), exact, exact).matters is False
+    assert by(plain, run([0.0, 1.0 + FLOOR / 3, 2.0]), exact, exact).matters is False
+
+
+@pytest.mark.parametrize("moved", [0.0031, 0.0061, 0.0119])
+def test_what_lies_within_a_factor_of_two_of_the_bar_is_not_judged_and_says_so(moved: float) -> None:
+    """The bar is twice the .003 m of halving the step: another machine may find it on the other side."""
+    plain, finer, finest = run([0.0, 1.0, 2.0]), [0.0, 1.001, 2.003], [0.0, 1.0015, 2.0045]
+    found = by(plain, run([0.0, 1.0, 2.0 + moved]), finer, finest)
+    assert found.matters is None
+    assert found.near
+    doubt = found.doubt(scale_of(plain, run(finer), run(finest), []))
+    assert doubt == (
+        f"moves a body by {moved:.2g} m or rad, within a factor of 2 of the bar, 2 times the 0.003 that halving the step does"
+    )
 
 
 def test_an_early_difference_counts_though_chaos_drowns_it_later() -> None:

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from plumbline.harness.history.blocks import Block, Seen, Sight
 from plumbline.harness.history.folder import Night
-from plumbline.harness.history.plan import Plan, ranked
+from plumbline.harness.history.plan import Plan
 from tests.unit.test_campaign import trials
 
 
@@ -39,7 +39,7 @@ def test_what_changed_goes_first_then_trouble_then_what_was_seen_longest_ago() -
         ("plain", "troubled"): seen("troubled", NIGHTS[1], 1.0, troubled=True),
         ("plain", "changed"): seen("changed", NIGHTS[1], 1.0, changed=True),
     }
-    assert [b.case for b in ranked(blocks, known)] == ["changed", "troubled", "seen early", "seen late", "new"]
+    assert [b.case for b in Plan(blocks, known, {}).waiting] == ["changed", "troubled", "seen early", "seen late", "new"]
 
 
 def test_a_budget_is_filled_by_what_fits_and_the_rest_is_named() -> None:
@@ -54,7 +54,7 @@ def test_a_budget_is_filled_by_what_fits_and_the_rest_is_named() -> None:
             left[0] -= 1.5 * costs[one.case]
     assert carried == ["a", "c", "d"]
     (out,) = (plan.left_out(one, "it is foreseen to take longer than was left") for one in plan.waiting)
-    assert (out.case, out.foreseen, out.last_seen) == ("b", 150.0, NIGHTS[0])
+    assert (out["case"], out["foreseen"], out["last_seen"]) == ("b", 150.0, NIGHTS[0])
 
 
 def _carried(plan: Plan, budget: float, takes: float) -> list[str]:
@@ -68,21 +68,21 @@ def _carried(plan: Plan, budget: float, takes: float) -> list[str]:
     return carried
 
 
-def test_trouble_gets_a_third_of_a_budget_until_the_rest_is_done() -> None:
+def test_trouble_shares_a_budget_with_the_rest_until_that_is_done() -> None:
     """Else what is noisy every night would keep out all that is not."""
     known = {("plain", case): seen(case, NIGHTS[0], 20.0, troubled=True) for case in "abcd"}
     known |= {("plain", "e"): seen("e", NIGHTS[0], 20.0)}
-    plan = Plan(ranked([block(case) for case in "abcde"], known), known, {("plain", case): 1.0 for case in "abcde"})
+    plan = Plan([block(case) for case in "abcde"], known, {("plain", case): 1.0 for case in "abcde"})
     assert _carried(plan, 100.0, 30.0) == ["a", "e", "b"]
 
 
-def test_while_something_was_never_seen_a_third_of_the_budget_is_its() -> None:
+def test_while_something_was_never_seen_it_shares_the_budget_with_what_was() -> None:
     """A night has something to compare with what earlier ones saw, and comes to the end of its study all the same."""
     known = {("plain", case): seen(case, NIGHTS[0], 20.0) for case in "abcd"}
     due = {("plain", case): 1.0 for case in "abcdefg"}
-    assert _carried(Plan(ranked([block(case) for case in "efgabcd"], known), known, due), 100.0, 30.0) == ["a", "b", "e"]
-    assert _carried(Plan(ranked([block(case) for case in "abcde"], known), known, due), 200.0, 30.0) == [*"abcde"]
-    assert _carried(Plan(ranked([block(case) for case in "abcd"], known), known, due), 100.0, 30.0) == [*"abc"]
+    assert _carried(Plan([block(case) for case in "efgabcd"], known, due), 100.0, 30.0) == ["a", "e", "b"]
+    assert _carried(Plan([block(case) for case in "abcde"], known, due), 200.0, 30.0) == [*"aebcd"]
+    assert _carried(Plan([block(case) for case in "abcd"], known, due), 100.0, 30.0) == [*"abc"]
 
 
 def test_what_an_unknown_block_takes_is_learnt_from_the_first_of_its_experiment() -> None:

@@ -12,7 +12,8 @@ from plumbline.harness.run.progress import in_words
 from plumbline.harness.run.remaining_time import RemainingTime
 from plumbline.harness.study.experiment import Experiment, Limit
 
-CASES: Any = {name: SimpleNamespace(duration=1.0, rays=None) for name in "xyz"}
+_RUN = SimpleNamespace(duration=1.0, rays=None)
+CASES: Any = {name: SimpleNamespace(put=lambda _: _RUN, rays=None) for name in "xyz"}
 PLAIN = Experiment(name="plain", timing=False)
 
 

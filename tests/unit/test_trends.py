@@ -13,12 +13,12 @@ from plumbline.harness.findings.changes import Change
 from plumbline.harness.history.acknowledged import Acknowledgement
 from plumbline.harness.history.folder import History
 from plumbline.harness.history.identity import Named
-from plumbline.harness.history.night_readings import NightOf
 from plumbline.harness.history.normalisation import yardsticks
-from plumbline.harness.history.price_steps import CHANCE_OF_ALL, PriceStep, price_steps
+from plumbline.harness.history.readings import NightOf
 from plumbline.harness.history.regressions import Trends, date, read_trends
-from plumbline.harness.history.series import Series, Subject
+from plumbline.harness.history.series import Series
 from plumbline.harness.history.slow_drift import FEWEST
+from plumbline.harness.history.steps import CHANCE_OF_ALL, Step, price_steps
 from plumbline.harness.history.verify_history import problems_of
 from plumbline.harness.store import store
 from plumbline.harness.store.journal import Written, read_written
@@ -39,7 +39,7 @@ def steps_of(
     factor: Floats | None = None,
     count: int = NIGHTS,
     chance: float = CHANCE_OF_ALL,
-) -> list[PriceStep]:
+) -> list[Step]:
     """What is told of a history of twenty-four series, of which the first `changed` are multiplied by `factor`.
 
     Args: count: of nights, the first so many. chance: of a history.
@@ -49,12 +49,17 @@ def steps_of(
     segments = np.zeros(count, np.int64)
     engines = [engine for engine, _, _ in CELLS]
     over = yardsticks(
-        list(nights.prices), [segments] * len(CELLS), engines, [nights.canary] * len(CELLS), nights.canary, segments
+        nights.prices,
+        np.tile(segments, (len(CELLS), 1)),
+        engines,
+        np.tile(nights.canary, (len(CELLS), 1)),
+        nights.canary,
+        segments,
     )
     return list(price_steps([
         Series(
-            subject=Subject(kind="price", experiment="", case=case, where="", engine=engine, track=track, dt=0.01,
-                            metric="CPU time of a step", unit="s"),
+            kind="price", experiment="", case=case, where="", engine=engine, track=track, dt=0.01,
+            metric="CPU time of a step", unit="s",
             values=values, over=factor, beside=beside, segments=segments, trials=("t",) * count, hashes=("",) * count,
         )
         for (engine, case, track), values, (factor, beside) in zip(CELLS, nights.prices, over, strict=True)
@@ -160,7 +165,7 @@ def test_each_regression_is_told_once_first_bad_night_first_with_its_state(trend
 
 
 def test_another_version_opens_a_segment_and_is_no_change_of_price(trends: Trends) -> None:
-    mine = [one for one in trends.series if one.subject.engine == "reference" and one.subject.kind == "price"]
+    mine = [one for one in trends.series if one.engine == "reference" and one.kind == "price"]
     assert all(len(set(one.segments)) == 2 for one in mine)
     assert not [one for one in trends.dated if one.first.engine == "reference"]
 
@@ -174,7 +179,7 @@ def test_a_price_has_the_name_under_which_a_night_told_it_and_one_word_silences_
     one_track = replace(stepped, track="tuned", dt=0.01, metric="CPU time of a step", count=1)
     whole = replace(stepped, case="")
     told = Named.of(one_track, nights[9].stamp)
-    (seen,) = date(nights, [(8, stepped)], {}, [told])
+    (seen,) = date(nights, [Step(8, stepped)], {}, [told])
     assert (seen.id, seen.told, seen.state) == (told.id, True, "open")
     for named, changes, state in (
         (told, (stepped,), "acknowledged"),
@@ -183,8 +188,10 @@ def test_a_price_has_the_name_under_which_a_night_told_it_and_one_word_silences_
         (replace(told, sense="better"), (replace(stepped, case="y"),), "open"),
     ):
         entry = Acknowledgement(what=named, note="known", when="")
-        assert {row.state for row in date(nights, [(8, change) for change in changes], {named.id: entry}, [told])} == {state}
-    (apart,) = date(nights, [(14, stepped)], {told.id: Acknowledgement(what=told, note="known", when="")}, [told])
+        assert {row.state for row in date(nights, [Step(8, change) for change in changes], {named.id: entry}, [told])} == {
+            state
+        }
+    (apart,) = date(nights, [Step(14, stepped)], {told.id: Acknowledgement(what=told, note="known", when="")}, [told])
     assert (apart.told, apart.state) == (False, "open")
 
 
@@ -226,7 +233,7 @@ def test_a_night_that_is_over_is_read_once_and_again_where_its_files_are_others(
     assert read == stamps
     assert (again.nights, again.dated) == (first.nights, first.dated)
     for one, other in zip(first.series, again.series, strict=True):
-        assert (one.subject, one.trials, one.hashes) == (other.subject, other.trials, other.hashes)
+        assert (one.kind, one.case, one.trials, one.hashes) == (other.kind, other.case, other.trials, other.hashes)
         np.testing.assert_array_equal(one.free, other.free)
     write_json(history.nights()[1].folder / "machine.json", {"processor": "another"})
     damaged = history.root / "readings" / f"{stamps[2]}.json"

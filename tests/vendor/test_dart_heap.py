@@ -153,3 +153,17 @@ def test_beside_a_conic_solver_nothing_is_swept_without_a_matrix() -> None:
     for _ in range(5):
         world.step()
     assert solver.getStats().numSolves >= 5
+
+
+@pytest.mark.parametrize(("count", "reported"), [(240, 960), (260, 1000)])
+def test_a_thousand_contacts_of_a_step_are_the_most_and_the_bound_cannot_be_raised(count: int, reported: int) -> None:
+    """Boxes at rest with four contacts each; the option that is handed out is a copy."""
+    world = make_world("ode", DT)
+    make_ground(world, dartpy.dynamics.BoxShape(np.array([20.0, 20.0, 1.0])), make_pose(UP, -0.5))
+    for k in range(count):
+        pose = make_pose(UP, HALF[2] - 1e-4, 0.3 * (k % 17), 0.3 * (k // 17))
+        make_mover(world, dartpy.dynamics.BoxShape(2 * HALF), pose, f"box {k}", moments=moments_of_box(HALF))
+    world.getConstraintSolver().getCollisionOption().maxNumContacts = 10_000
+    assert world.getConstraintSolver().getCollisionOption().maxNumContacts == 1000
+    world.step()
+    assert world.getLastCollisionResult().getNumContacts() == reported

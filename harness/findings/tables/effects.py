@@ -22,7 +22,7 @@ from plumbline.harness.findings.effects_audit import (
 from plumbline.harness.findings.once import once
 from plumbline.harness.findings.samples import Block, BlockSample, ratio_in_blocks, samples_by_block
 from plumbline.harness.findings.variant_of import differing, in_words
-from plumbline.harness.search.needless_effects import Consequence, departure, matters, scale_in, weighed
+from plumbline.harness.search.needless_effects import Consequence, Scale, departure, matters, scale_in, weighed
 from plumbline.harness.statistics.ratio import Ratio
 from plumbline.harness.store.store import Store
 
@@ -110,6 +110,12 @@ class _Need:
     doubt: str = ""
 
 
+def _need(engine: str, consequence: Consequence | None, scale: Scale | None) -> _Need:
+    if consequence is None or scale is None:
+        return _Need(None)
+    return _Need(consequence.matters, f"{engine}: {doubt}" if (doubt := consequence.doubt(scale)) else "")
+
+
 def _needed(store: Store, scenes: pd.DataFrame) -> dict[str, _Need]:
     """By effect, whether it matters on the judge's tuned track; empty where the judge was not asked."""
     runs = _runs(scenes[(scenes["engine"] == JUDGE) & (scenes["track"] == "tuned")])
@@ -121,7 +127,7 @@ def _needed(store: Store, scenes: pd.DataFrame) -> dict[str, _Need]:
         consequence = matters(store, runs.get(""), run, scale) if len(effects) == 1 else None
         consequence = weighed(departed, consequence, runs.get(""), run, declared)
         if consequence is not None and scale is not None:
-            needs[effects[0]] = _Need(consequence.matters, f"{JUDGE}: {scale.doubt}" if consequence.matters is None else "")
+            needs[effects[0]] = _need(JUDGE, consequence, scale)
     return needs
 
 
@@ -141,7 +147,6 @@ def _of_side(
     about = store.described("cases", plain.case)
     declared, insists = set(about["effects"]), about.get("insists", {})
     scale = scale_in(store, runs)
-    doubt = "" if scale is None else f"{engine}: {scale.doubt}"
     notices = [notice for notice in store.notices[plain.trial] if notice.effect]
 
     def row(
@@ -191,7 +196,7 @@ def _of_side(
             continue
         taken_in = bool(departed.widen)
         price = _price(run, plain, samples) if taken_in else _price(plain, run, samples)
-        own = _Need(None) if consequence is None else _Need(consequence.matters, doubt if consequence.matters is None else "")
+        own = _need(engine, consequence, scale)
         if len(effects) > 1:
             verdict = NOT_JUDGED if own.matters is None else "needed together" if own.matters else "left out together"
             yield row(effects, run, consequence, verdict, price, own.doubt)

@@ -28,6 +28,8 @@ from plumbline.harness.statistics.order import FEWEST
 from plumbline.harness.statistics.ratio import Ratio
 from plumbline.harness.store.store import Store
 
+_REASON = 64
+"""Characters of why a priced run failed; what an engine could not hold comes first, and the whole is in the CSV."""
 CLOCKED = {
     "work": "step alone",
     "reading": "step and reading",
@@ -265,6 +267,8 @@ def _answered(row: Row) -> bool:
 def _status(row: Row) -> str:
     if row["row"] == "exponent":
         return ""
+    if row["status"] == "failed" and row["cpu_s"] is not None:
+        return f"failed: {row['reason'][:_REASON]}"
     return str(row["status"]) if _answered(row) and row["cpu_s"] is not None else f"{row['status']}: {row['reason']}"
 
 

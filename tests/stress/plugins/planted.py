@@ -74,7 +74,7 @@ class Planted(Adapter):
 
     title: str = "falling bodies with a planted fault"
     distribution: str = "faulty"
-    features: Feature = Feature.CONTACTS | Feature.RAYS | Feature.RENDER
+    features: Feature = Feature.CONTACTS | Feature.CONTACT_FORCES | Feature.RAYS | Feature.RENDER
     tracks: dict[str, Settings] = field(default_factory=lambda: {"default": Settings(), "tuned": Settings()})
 
     def version(self) -> str:

@@ -89,6 +89,39 @@ def gap_is_negative_in_penetration(adapter: Adapter, settings: Settings) -> Find
 
 
 @check(
+    "Does the point of a contact lie half-way between the two surfaces, whatever shapes meet?",
+    Feature.SPHERE | Feature.BOX | Feature.CONTACTS,
+)
+def contact_point_is_half_way(adapter: Adapter, settings: Settings) -> Finding:
+    """A ball and a box 5 mm in the ground, a ball 6.6 mm in another: the point lies gap/2 off each surface."""
+    deep, comparisons = 0.005, list[Comparison]()
+    pair, box = Surface(between=("block", "block")), block(half=(0.1, 0.1, 0.1), p=(0.0, 0.0, 0.1 - deep))
+    on_floor = ((floor(adapter), ball(p=(0.7, -0.4, 0.1 - deep))), (floor(adapter), box))
+    scenes = [(Scene(bodies=bodies, surfaces=(ground(),), gravity=(0.0, 0.0, 0.0)), np.zeros(3), 0.0) for bodies in on_floor]
+    balls = (ball("a"), ball("b", p=(0.19, 0.02, 0.13)))
+    scenes.append((Scene(bodies=balls, surfaces=(pair,), gravity=(0.0, 0.0, 0.0)), np.array(balls[0].p_WB), 0.1))
+    for scene, centre, radius in scenes:
+        with built(adapter, scene, settings.with_dt(FINE)) as simulation:
+            before = state_of(simulation, scene)
+            simulation.step()
+            got, after = simulation.contacts(), state_of(simulation, scene)
+        name = f"{scene.bodies[1].name} on {scene.bodies[0].name}"
+        off = np.sum((got.point_W - centre) * got.normal_W, axis=1) - radius
+        moved = float(np.linalg.norm(after.p_WB - before.p_WB, axis=1).max())
+        comparisons += [
+            that(len(got) > 0, f"{name}: got no contact, expected at least one"),
+            near(
+                f"{name}: point off the surface of the first, along the normal [m]",
+                off,
+                got.gap / 2,
+                0.1 * deep + moved,
+                "half the gap; a tenth of it for rounded shapes, and what the bodies moved by in the step",
+            ),
+        ]
+    return judge(*comparisons)
+
+
+@check(
     "Is a contact that is reported before the bodies meet without force, its gap above zero?", Feature.SPHERE | Feature.CONTACTS
 )
 def separated_bodies_do_not_push(adapter: Adapter, settings: Settings) -> Finding:

@@ -1,0 +1,195 @@
+"""Every step of a series over the nights, told once: of what is exact, each night on which it is another than the last time; of
+prices, the nights from which on they lie on another level: of an engine as a whole, of a case on it, or of one series.
+
+What moves together is judged together: series of one case on one engine as one of less noise, and their medians as the engine.
+A step counts for the group where most of its members take it; it is then taken out of them before they are judged alone.
+"""
+
+import json
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+from pydantic import TypeAdapter
+
+from plumbline.harness.findings.changes import Change
+from plumbline.harness.findings.changes.answers import answer_changes
+from plumbline.harness.findings.changes.limits import moved_limits
+from plumbline.harness.findings.changes.matching import LOST, Pair, by_question
+from plumbline.harness.findings.changes.repetitions import lost_and_won
+from plumbline.harness.findings.changes.values import Beside
+from plumbline.harness.findings.limits_found import Search
+from plumbline.harness.findings.tables.determinism import Agreement
+from plumbline.harness.history.folder import Night
+from plumbline.harness.history.normalisation import over_segments
+from plumbline.harness.history.readings import EXACT, Readings, answer_key
+from plumbline.harness.history.series import Series
+from plumbline.harness.statistics.change_points import FEWEST, ChangePoint, change_points, common_mode, levelled
+from plumbline.harness.trajectory import Floats
+
+CHANCE_OF_ALL = 1e-3
+"""Of a history: how often chance alone may look like a change in any of its series; each has its share."""
+FEWEST_CASES = 3
+"""Whose median is an engine."""
+MOST = 0.6
+"""Share of a group's members that take its step, to at least half of it."""
+Z_95 = 1.96
+_SILENT = ("unavailable", "interrupted")
+"""Statuses that say nothing of an engine: the answer before still stands."""
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """Terms: night: index of the first that is otherwise. change: what is told of it. members: the prices that took it."""
+
+    night: int
+    change: Change
+    members: tuple[Series, ...] = ()
+
+
+def steps_of(nights: Sequence[Night], readings: Readings, series: Sequence[Series]) -> tuple[Step, ...]:
+    """All steps; the tables of two nights are read where an answer is another. Args: nights: those of the readings.
+
+    Raises: StoreError.
+    """
+    return *_exact(nights, readings.table), *price_steps(series)
+
+
+def _exact(nights: Sequence[Night], table: pd.DataFrame) -> Iterator[Step]:
+    """What is exact and another than the last time; where one was lost in between, than the last that there was, too."""
+    exact = table[table["kind"].isin(EXACT) & ~table["status"].isin(_SILENT)]
+    both = _others(exact), _others(exact[~exact["status"].isin(LOST)])
+    others = pd.concat(both).drop_duplicates(["key", "night", "before"])
+    for (night, before, kind), rows in others.groupby(["night", "before", "kind"]):
+        for change in _changes(kind, nights[int(before)], nights[night], rows):
+            yield Step(night, change)
+
+
+def _others(rows: pd.DataFrame) -> pd.DataFrame:
+    """The rows that are others than the one before them of their key: `before` is the night of that, `was` what it said."""
+    before = rows.groupby("key", sort=False)[["status", "hash", "said", "night"]].shift()
+    bits = (rows["hash"] != "") & (rows["hash"] != before["hash"])
+    other = (rows["status"] != before["status"]) | (rows["said"] != before["said"]) | bits
+    return rows.assign(before=before["night"], was=before["said"])[before["night"].notna() & other]
+
+
+def _changes(kind: str, before: Night, after: Night, rows: pd.DataFrame) -> Iterable[Change]:
+    """What is told of rows of one kind of a night, each against the same one before."""
+    if kind == "answer":
+        then, now = before.store(), after.store()
+        were, are = ({answer_key(key): row for key, row in by_question(store).items()} for store in (then, now))
+        return answer_changes(then, now, [Pair(were[key], are[key]) for key in rows["key"]])
+    form = _form(Search if kind == "search" else Agreement)
+    sides: list[Mapping[str, Any]] = [
+        {key: form.validate_python(json.loads(text)) for key, text in zip(rows["key"], rows[side], strict=True)}
+        for side in ("was", "said")
+    ]
+    return moved_limits(*(side.values() for side in sides)) if kind == "search" else lost_and_won(*sides)
+
+
+_form: Any = cache(TypeAdapter)
+
+
+def price_steps(series: Sequence[Series], chance: float = CHANCE_OF_ALL) -> Iterator[Step]:
+    """Every step of the prices among the series, engine by engine. Args: chance: of a history, see `CHANCE_OF_ALL`."""
+    prices = [each for each in series if each.kind == "price"]
+    engines: dict[str, dict[tuple[str, str], list[Series]]] = {}
+    for each in prices:
+        engines.setdefault(each.engine, {}).setdefault((each.case, each.metric), []).append(each)
+    groups = [group for cases in engines.values() for group in cases.values()]
+    together = sum(len(group) > 1 for group in groups) + sum(len(cases) >= FEWEST_CASES for cases in engines.values())
+    for cases in engines.values():
+        yield from _of_engine(list(cases.values()), chance / max(len(prices) + together, 1))
+
+
+def _of_engine(groups: Sequence[Sequence[Series]], chance: float) -> Iterator[Step]:
+    members = [each for group in groups for each in group]
+    segments = np.max([each.segments for each in members], axis=0)
+    rows = [np.array([over_segments(each.free, each.segments) for each in group]) for group in groups]
+    taken = np.ones(len(segments))
+    if len(groups) >= FEWEST_CASES:
+        by_case = np.array([levelled(group) for group in rows])
+        whole = np.where(np.isfinite(by_case).any(axis=0), common_mode(by_case), np.nan)
+        points = _shared(change_points(whole, segments, chance), by_case, segments)
+        taken = _staircase(points, segments)
+        yield from (_step(point, members, case="") for point in points)
+    for group, values in zip(groups, rows, strict=True):
+        yield from _of_case(group, values / taken, segments, chance)
+
+
+def _of_case(group: Sequence[Series], rows: Floats, segments: NDArray[np.int64], chance: float) -> Iterator[Step]:
+    taken = np.ones(len(segments))
+    if len(group) > 1:
+        points = _shared(change_points(levelled(rows), segments, chance), rows, segments)
+        taken = _staircase(points, segments)
+        yield from (_step(point, group, case=group[0].case) for point in points)
+    for each, row in zip(group, rows, strict=True):
+        yield from (_step(point, [each], case=each.case) for point in change_points(row / taken, each.segments, chance))
+
+
+def _shared(points: Sequence[ChangePoint], rows: Floats, segments: NDArray[np.int64]) -> list[ChangePoint]:
+    """The points that most of the rows (s, n) take."""
+    shared, nights = [], np.arange(len(segments))
+    for point in points:
+        same = segments == segments[point.index]
+        begin = max([other.index for other in points if other.index < point.index], default=0)
+        end = min([other.index for other in points if other.index > point.index], default=len(segments))
+        before, after = same & (begin <= nights) & (nights < point.index), same & (point.index <= nights) & (nights < end)
+        sizes = [_size(row, before, after) for row in rows]
+        took = [size / (math.log(point.ratio) / 2) >= 1 for size in sizes if not math.isnan(size)]
+        if took and sum(took) >= MOST * len(took):
+            shared.append(point)
+    return shared
+
+
+def _size(row: Floats, before: NDArray[np.bool_], after: NDArray[np.bool_]) -> float:
+    """The step of logarithms between medians; NaN where a side has too few nights."""
+    logs = [np.log(row[side & np.isfinite(row)]) for side in (before, after)]
+    return float(np.median(logs[1]) - np.median(logs[0])) if min(map(len, logs)) >= FEWEST else math.nan
+
+
+def _staircase(points: Sequence[ChangePoint], segments: NDArray[np.int64]) -> Floats:
+    """What the points multiply each night by (n,)."""
+    factor = np.ones(len(segments))
+    for point in points:
+        factor[(segments == segments[point.index]) & (np.arange(len(segments)) >= point.index)] *= point.ratio
+    return factor
+
+
+def _step(point: ChangePoint, members: Sequence[Series], *, case: str) -> Step:
+    """Args: case: '' for an engine as a whole."""
+    first, alone = members[0], len(members) == 1
+    about: dict[str, Any] = {"metric": first.metric if case else "CPU time", "unit": "1"}
+    if alone:
+        about = {name: getattr(first, name) for name in ("track", "where", "dt", "metric")} | {
+            "unit": "s",
+            "trial_b": next(filter(None, first.trials[point.index :]), ""),
+            "before": _median(first, point.index, later=False),
+            "after": _median(first, point.index, later=True),
+        }
+    beside: Beside = "other engines" if all(each.beside == "other engines" for each in members) else "canary"
+    change = Change(
+        kind="price",
+        sense="worse" if point.ratio > 1 else "better",
+        case=case,
+        engine=first.engine,
+        ratio=point.ratio,
+        low=point.ratio * math.exp(-Z_95 * point.error),
+        high=point.ratio * math.exp(Z_95 * point.error),
+        beside=beside,
+        count=len(members),
+        **about,
+    )
+    return Step(point.index, change, tuple(members))
+
+
+def _median(series: Series, night: int, *, later: bool) -> float | None:
+    """Of the values [s] on one side of a night, within its segment."""
+    same = (series.segments == series.segments[night]) & np.isfinite(series.values)
+    side = same & ((np.arange(len(same)) >= night) == later)
+    return float(np.median(series.values[side])) if side.any() else None

@@ -1,0 +1,52 @@
+"""Faults that show where two things stand together, each of which is right alone."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from plumbline.harness.adapter import Feature
+from plumbline.harness.scene import Distance, Joint, Limits, Prismatic, Revolute
+from plumbline.harness.trajectory import Floats
+from tests.planted_faults.fault import fault
+from tests.planted_faults.planting import Wrapped
+
+_HINGE = Feature.REVOLUTE
+
+
+@fault("pair_wrench_and_hinge", "pair_wrench_and_start_pose", needs=_HINGE | Feature.WRENCH)
+class push_at_the_anchor(Wrapped):
+    """a push on a body that hangs on a joint acts at the joint's anchor"""
+
+    def wrench(self, f_B_W: Floats, tau_B_W: Floats) -> None:
+        tau = np.array(tau_B_W)
+        for place, body in enumerate(self.scene.bodies):
+            for joint in self.scene.joints:
+                if joint.child == body.name and isinstance(joint, Revolute):
+                    tau[place] += np.cross(np.subtract(joint.anchor_W, body.p_WB), f_B_W[place])
+        self.inner.wrench(f_B_W, tau)
+
+
+@fault("pair_wrench_and_distance_spring", needs=Feature.DISTANCE_SPRING | Feature.WRENCH)
+class wrench_lost_beside_a_spring(Wrapped):
+    """forces handed in are forgotten in scenes with a spring between two bodies"""
+
+    def wrench(self, f_B_W: Floats, tau_B_W: Floats) -> None:
+        sprung = any(isinstance(joint, Distance) for joint in self.scene.joints)
+        self.inner.wrench(f_B_W * (not sprung), tau_B_W * (not sprung))
+
+
+@fault("pair_slide_and_limit", "pair_slide_and_one_sided_limit", needs=Feature.PRISMATIC | Feature.LIMITS)
+def slide_limits_counted_from_zero(joint: Joint) -> Joint:
+    """the limits of slides count from where they start"""
+    if not isinstance(joint, Prismatic) or joint.limits is None:
+        return joint
+    ends = [None if end is None else end + joint.position for end in (joint.limits.lower, joint.limits.upper)]
+    return replace(joint, limits=Limits(lower=ends[0], upper=ends[1]))
+
+
+@fault("pair_hinge_and_uneven_steps", "pair_drive_and_uneven_steps", needs=_HINGE | Feature.STEP_LENGTHS | Feature.DRIVES)
+class uneven_steps_forget_sub_steps(Wrapped):
+    """each sub-step of an uneven step is as long as the step"""
+
+    def retime(self, dt: float) -> None:
+        self.inner.retime(dt * (self.asked.substeps or 1))  # type: ignore[attr-defined]  # what an engine may offer

@@ -34,7 +34,7 @@ def _sentence(store: Store, agreement: Agreement, titles: Mapping[str, str], our
     if not ranked:
         return ""
     words = ", ".join(f"{titles.get(price.engine, price.engine)} {_pace(price)}" for price in ranked)
-    words += "".join(f"; {titles.get(p.engine, p.engine)}, the yardstick, {_pace(p)}" for p in paced if p.engine in ours)
+    words += "".join(f"; {titles.get(p.engine, p.engine)}, not ranked, {_pace(p)}" for p in paced if p.engine in ours)
     lacking = [titles.get(price.engine, price.engine) for price in asked if not price.cost and price.engine not in ours]
     words += f"; not {' nor '.join(lacking)}" if lacking else ""
     until = "" if agreement.until >= 0.999 * agreement.duration else f" up to {agreement.until:.3g} s"

@@ -5,7 +5,7 @@ which both are known. They agree where they lie no further apart than their bars
 
 A limit is **agreed** where a camp has two engines or more that people can deploy, and more of them than any other camp. Each
 engine has one vote, on its tuned track if that has a limit, else on its default one: two tracks of one engine are no two
-witnesses, and an engine that is undecided between camps has none. Our own engine stands with a camp like any other and is
+witnesses, and an engine that is undecided between camps has none. The reference engine stands with a camp like any other and is
 shown there, but it has no vote: else it would judge whom it is judged with. The agreed limit is that of the sharpest voter
 which is known as long as two of them are; its bar is the nearest confirmation by another voter, distance and that one's bar
 added.

@@ -74,7 +74,7 @@ def _row(
     """One engine on one track.
 
     Terms:
-        where: parameters, as JSON, if not the case's own. ours: is it our own engine, which has no vote? verdict: agrees,
+        where: parameters, as JSON, if not the case's own. ours: is it the reference engine, which has no vote? verdict: agrees,
         converges elsewhere, converges (where no limit is agreed), does not converge, diverged, cannot; why: of the last three.
         order: of convergence, None without one. bar: of its own limit, a share of the size; known_until [s]: up to there.
         horizon [s]: up to there its last halving moves the answer by no more than a hundredth. camp: a letter, several where it

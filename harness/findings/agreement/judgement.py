@@ -7,8 +7,8 @@ A limit is **agreed** where a camp has two engines or more that people can deplo
 engine has one vote, on its tuned track if that has a limit, else on its default one: two tracks of one engine are no two
 witnesses, and an engine that is undecided between camps has none. One whose steps draw together faster than its integrator
 promises is not near a limit yet: it stands in no camp, and is held against the agreed limit alone. The reference engine stands
-with a camp like any other and is shown there, but it has no vote: else it would judge whom it is judged with. The agreed limit is
-that of the sharpest voter which is known as long as two of them are; its bar is the nearest confirmation by another voter,
+with a camp like any other and is shown there, but it has no vote: else it would judge whom it is judged with. The agreed limit
+is that of the sharpest voter which is known as long as two of them are; its bar is the nearest confirmation by another voter,
 distance and that one's bar added.
 """
 

@@ -50,8 +50,8 @@ test: $(STAMP)     ## all tests but the long ones, or those under TESTS=folder
 	$(if $(filter tests,$(TESTS)),$(BIN)/python -m tests.warm_up --workers $(WORKERS))
 	$(BIN)/python -m pytest -n $(TEST_WORKERS) --dist loadfile -m "$(MARKED)" $(TESTS)
 
-test-engines: $(STAMP) ## the whole conformance kit on each engine that is installed only when asked for
-	$(foreach engine,$(EXTRAS),$(BIN)/plumbline check $(engine) --yes &&) true
+test-engines: $(STAMP) ## the whole kit, planted faults and vendors' scripts on each engine that is installed only when asked for
+	$(foreach engine,$(EXTRAS),$(BIN)/plumbline check $(engine) --yes &&) $(BIN)/python -m tests.in_environments $(EXTRAS)
 
 test-all: $(STAMP) ## all tests, with the long stress and soak runs
 	$(BIN)/python -m tests.warm_up --workers $(WORKERS)

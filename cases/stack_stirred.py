@@ -6,9 +6,10 @@ What has been stirred lies in no packing that anybody chose: contacts come and g
 import numpy as np
 
 from plumbline.harness.case import Case, Check, FloatCount, NotNegative, Parameters
-from plumbline.harness.case.bounds import settled_speed, stays_finite
+from plumbline.harness.case.bounds import stays_finite
 from plumbline.harness.case.forces import Control
-from plumbline.harness.metrics import jitter, overlaps
+from plumbline.harness.case.symmetries import Retelling, started
+from plumbline.harness.metrics import jitter, overlaps, settled
 from plumbline.harness.props.robots.container import container
 from plumbline.harness.scene import Body, Box, PlacedShape, Scene, Sphere, Surface, box_inertia, sphere_inertia
 from plumbline.harness.trajectory import Floats, State
@@ -17,6 +18,7 @@ EDGE, MASS, HALF = 3, 1.0, 0.05
 ROOM = 1.3
 """Width of the container over that of EDGE bodies side by side."""
 INTERVAL, STIRRED, SETTLED, DURATION = 1 / 60, 3.0, 9.0, 10.0
+STARTS = 8
 PUSH, TWIST = 15.0, 0.15
 """Standard deviations of each component of the forces [N], one and a half weights, and of the torques [N m]."""
 
@@ -61,6 +63,11 @@ def control(p: P) -> Control:
     return Control(wrench=wrench, interval=INTERVAL)
 
 
+def retellings(p: P) -> tuple[Retelling, ...]:
+    """Seven other starts that nobody could tell from the first: where a heap comes to rest hangs on its last bits."""
+    return tuple(started(scene(p), number, control(p)) for number in range(1, STARTS))
+
+
 CASE = Case(
     name="stack_stirred",
     title="A heap stirred and left",
@@ -69,6 +76,7 @@ CASE = Case(
     truth="conservation",
     scene=scene,
     control=control,
+    retellings=retellings,
     parameters=P(),
     duration=DURATION,
     ladder=(1 / 60, 1 / 120, 1 / 240, 1 / 360, 1 / 480, 1 / 960),
@@ -79,7 +87,13 @@ CASE = Case(
             HALF,
             "the definition of broken: half the thinnest body; what left the container is deeper than that in a wall",
         ),
-        settled_speed(SETTLED, "a body"),
+        Check(
+            settled.settled_share_high,
+            0.5,
+            "heaps that come to rest more often than not: of eight starts that differ by 1e-9 m the interval of the share must "
+            "reach a half, which 2 of 8 do (.59) and 1 of 8 does not (.47); whether one of them does hangs on roundings",
+            start=SETTLED,
+        ),
     ),
     observe=(jitter.rms_spin, jitter.rest_drift),
     headline="inscribed_overlap",

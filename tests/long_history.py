@@ -11,12 +11,14 @@ import tempfile
 from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from plumbline.harness.findings.summary import write_summary
+from plumbline.harness.findings.summary import SUMMARIES, write_summary
 from plumbline.harness.history.folder import NIGHT, Night, created, stamp_of
 from plumbline.harness.history.readings import FOLDER
+from plumbline.harness.store import disk
 from plumbline.harness.store.journal import Writer, Written, read_written
 from plumbline.harness.store.record import Record
 from plumbline.harness.store.store import read_plain, write_json
@@ -64,14 +66,17 @@ def _copied(model: Night, other: Night, rng: np.random.Generator) -> None:
     for path in (model.folder / "trajectories").iterdir():
         os.link(path, other.folder / "trajectories" / path.name)
     write_summary(other.store())
-    write_json(other.folder / NIGHT, dict(model.plan) | {"stamp": other.stamp})
+    summaries = {name: disk.digest(other.folder / name) for name in SUMMARIES}
+    write_json(other.folder / NIGHT, dict(model.plan) | {"stamp": other.stamp, "summaries": summaries})
 
 
 def _times(record: Record, factor: float, slow: float) -> Record:
     """The record, so many times as dear on a machine that is so much slower."""
     if record.cpu_per_unit is None:
         return record
-    scaled = {name: factor * float(getattr(record, name)) for name in ("cpu_per_unit", "cpu_per_unit_low", "cpu_per_unit_high")}
+    scaled: dict[str, Any] = {
+        name: factor * float(getattr(record, name)) for name in ("cpu_per_unit", "cpu_per_unit_low", "cpu_per_unit_high")
+    }
     samples = tuple(replace(s, cpu=factor * s.cpu, wall=factor * s.wall, canary=slow * s.canary) for s in record.samples)
     return replace(record, samples=samples, **scaled)
 

@@ -5,7 +5,7 @@ The numbers are made, not measured; they say nothing of a real engine, whatever 
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -32,16 +32,22 @@ class Made:
 
 
 def write_selection_folder(
-    folder: Path, engines: Mapping[str, Made], seed: int, noise: float = 0.3, most: int | None = None
+    folder: Path,
+    engines: Mapping[str, Made],
+    seed: int,
+    noise: float = 0.3,
+    most: int | None = None,
+    steps: Sequence[float] = STEPS,
 ) -> Path:
-    """Args: noise: of the logarithm of each error and each cost, from case to case. most: so many cases, all for None."""
+    """Args: noise: of the logarithm of each error and each cost, from case to case. most: so many cases, all for None. steps:
+    that were run."""
     folder.mkdir(parents=True, exist_ok=True)
     draw = np.random.default_rng(seed)
     trials, measurements = list[dict[str, Any]](), list[dict[str, Any]]()
     for case, (_, metric, unit, scale) in [*CASES.items()][:most]:
         for engine, made in engines.items():
             off, dear = (math.exp(noise * draw.normal()) for _ in range(2))
-            for dt in STEPS:
+            for dt in steps:
                 error, bound = 1e-2 * scale * made.error * off * dt * 240, 1e-2 * scale * dt * 240
                 cost = made.cost * dear * DT / dt
                 timed = {"cpu_per_sim_s": cost, "cpu_low": 0.97 * cost, "cpu_high": 1.03 * cost, "rough_cost": cost}

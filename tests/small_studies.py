@@ -39,7 +39,7 @@ def report_of(study: str, folder: Path, run: Callable[..., Path]) -> Path:
     if study == OWN:
         ball = Body(name="ball", inertia=sphere_inertia(1.0, 0.1), p_WB=(0, 0, 1), v_WB=(3, 0, 4))
         path.write_text(dump_toml(Scene(bodies=(ball,))), encoding="utf-8")
-        engines = ("--engine", "mujoco", "--engine", "bullet", "--duration", "0.5", "--budget", "4")
+        engines = ("--engine", "mujoco", "--engine", "bullet", "--duration", "0.5", "--budget", "60")
         return reports.build(run(path, folder / "run", *engines)).index.parent
     path.write_text(RUN[study], encoding="utf-8")
     return reports.build(run(path, folder / "run")).index.parent

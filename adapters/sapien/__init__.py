@@ -41,7 +41,7 @@ from dataclasses import dataclass
 from plumbline.adapters.sapien.build import build
 from plumbline.adapters.sapien.options import INTEGRATOR, SOLVERS
 from plumbline.adapters.sapien.vendor import load
-from plumbline.harness.adapter import Adapter, Emulation, Extra, Feature, Settings, Simulation
+from plumbline.harness.adapter import Adapter, Emulation, Extra, Feature, Settings, Simulation, TradeOff
 from plumbline.harness.adapter.mass_points import POINTS_AS_BODIES, built_with_points
 from plumbline.harness.scene import Effect, Scene
 
@@ -154,10 +154,18 @@ ADAPTER = SapienAdapter(
     acts_on={
         "options.bounce_threshold": Effect.RESTITUTION,
         "options.contact_offset": Effect.CONTACT,
-        **dict.fromkeys(("solver", "iterations", "options.velocity_iterations"), Effect.CONTACT | Effect.JOINTS),
+        **dict.fromkeys(("iterations", "options.velocity_iterations"), Effect.CONTACT | Effect.JOINTS),
     },
     loads=("sapien",),
     orders={INTEGRATOR: 1},
+    trade_offs=(
+        TradeOff(
+            cases=("spin_fast",),
+            at=("own step", "ladder"),
+            why="PGS, which keeps a ball's spin and rests where TGS trembles, errs 1.27 times as much as TGS in the attitude "
+            "of a fast top; every check holds under both",
+        ),
+    ),
     deviations=(
         "single precision: under TGS each step gives a spin 5e-7 of itself",
         "of the force of a contact only the normal part can be read, so none is judged",

@@ -70,6 +70,8 @@ def _of_joints(scene: Scene, effects: Effect) -> Iterator[Feature]:
             yield Feature.SPRINGS
         if not isinstance(joint, Distance):
             yield from (feature for name, feature in _ALONG.items() if getattr(joint, name))
+            if joint.effort is not None:
+                yield Feature.WRENCH
         if not isinstance(joint, Distance) and joint.drive is not None and Effect.DRIVES in effects:
             yield Feature.DRIVES
             if joint.drive.feedforward:

@@ -51,7 +51,7 @@ class Alteration:
     @property
     def clocked(self) -> bool:
         """Does a timing run clock it, if its experiment has one?"""
-        return self.name not in REFINED and not (self.start or self.undropped or self.variables)
+        return self.name not in (*REFINED, TURNED) and not (self.start or self.undropped or self.variables)
 
     def of(self, scene: Scene) -> Scene:
         """The scene as it is under this alteration; the very same one where nothing departs."""
@@ -167,6 +167,8 @@ AS_IT_IS = Alteration()
 
 UNDROPPED = "nothing dropped"
 """Name: the scene with what its user left out."""
+TURNED = "one setting turned"
+"""Name: the scene as it is under a track with one setting at another value, to see what that setting does."""
 ALONE = "alone"
 """Name: the run has the machine for itself, while all others run side by side."""
 EVERYTHING, FINER, FINEST = "everything on", "half the step", "a quarter of the step"

@@ -92,6 +92,10 @@ class ByParameters(float):
         time.law = law
         return time
 
+    def __reduce__(self) -> tuple[type[float], tuple[float]]:
+        """A copy is the time alone."""
+        return float, (float(self),)
+
 
 def _timed(time: float, parameters: "Parameters") -> float:
     return ByParameters(time.law, parameters) if isinstance(time, ByParameters) else time

@@ -2,8 +2,12 @@
 
 from collections.abc import Callable, Mapping
 
+import numpy as np
+
 from plumbline.harness.case.forces import Control, Velocities
-from plumbline.harness.scene import Effect, Prismatic, Revolute, Scene
+from plumbline.harness.scene import WORLD, Effect, Prismatic, Revolute, Scene
+from plumbline.harness.trajectory import Floats, State
+from plumbline.harness.trajectory.kinematics import rotate, rotate_back
 
 Targets = Callable[[float], Mapping[str, float]]
 
@@ -32,21 +36,61 @@ def velocities_of(scene: Scene) -> Velocities | None:
     }
 
 
+def efforts_of(scene: Scene) -> Callable[[float, State], tuple[Floats, Floats]] | None:
+    """The forces [N] and torques [N m] in W on all bodies at a time [s] and a state, of joints with an effort; None without.
+
+    A torque t about an axis a is t a on the child and -t a on its parent; a force acts on both at the child's anchor.
+    """
+    joints = [joint for joint in scene.joints if isinstance(joint, Revolute | Prismatic) and joint.effort is not None]
+    if not joints or Effect.JOINTS not in scene.effects:
+        return None
+    start, count = State.initial(scene), len(scene.bodies)
+    ends = [(-1 if joint.parent == WORLD else scene.index(joint.parent), scene.index(joint.child)) for joint in joints]
+
+    def wrench(time: float, state: State) -> tuple[Floats, Floats]:
+        f, tau = np.zeros((count, 3)), np.zeros((count, 3))
+        for joint, (parent, child) in zip(joints, ends, strict=True):
+            assert joint.effort is not None
+            axis = np.array(joint.axis_W)
+            if parent >= 0:
+                axis = rotate(state.q_WB[parent], rotate_back(start.q_WB[parent], axis))
+            push = joint.effort.at(time, 0.0) * axis
+            if isinstance(joint, Revolute):
+                tau[child] += push
+                if parent >= 0:
+                    tau[parent] -= push
+                continue
+            arm = rotate(state.q_WB[child], rotate_back(start.q_WB[child], np.array(joint.anchor_W) - start.p_WB[child]))
+            for end, sign in ((child, 1.0), (parent, -1.0)):
+                if end >= 0:
+                    f[end] += sign * push
+                    tau[end] += sign * np.cross(state.p_WB[child] + arm - state.p_WB[end], push)
+        return f, tau
+
+    return wrench
+
+
 def acting(scene: Scene, control: Control | None = None) -> Control | None:
     """A case's control together with the motions of its scene's drives and kinematic bodies; None where nothing acts.
 
     Raises:
         ValueError: both the control and the scene move targets or bodies, or the control is held for an interval.
     """
-    targets, velocities = targets_of(scene), velocities_of(scene)
-    if targets is None and velocities is None:
+    targets, velocities, efforts = targets_of(scene), velocities_of(scene), efforts_of(scene)
+    if targets is None and velocities is None and efforts is None:
         return control
     if control is None:
-        return Control(targets=targets, velocities=velocities)
+        return Control(wrench=efforts, targets=targets, velocities=velocities)
+    if control.wrench is not None and efforts is not None:
+        raise ValueError("control: it pushes bodies and joints of the scene have an effort, expected one of them to")
     if control.velocities is not None and velocities is not None:
         raise ValueError("control: its bodies and those of the scene both are moved, expected one of them to")
     if control.targets is not None and targets is not None:
         raise ValueError("control: its targets and those of the scene's drives both move, expected one of them to")
     if control.interval > 0.0:
         raise ValueError("control: it is held for an interval, and the scene moves at every step; expected no interval")
-    return Control(wrench=control.wrench, targets=targets or control.targets, velocities=velocities or control.velocities)
+    return Control(
+        wrench=efforts or control.wrench,
+        targets=targets or control.targets,
+        velocities=velocities or control.velocities,
+    )

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from plumbline.harness.case.forces import Control
 from plumbline.harness.scene import WORLD, Body, Joint, Prescribed, Quaternion, Scene, Vector3
 from plumbline.harness.scene import multiply as times
 from plumbline.harness.scene import rotate as turned_vector
@@ -27,7 +28,7 @@ class Retelling:
     Terms:
         name: under which its motion stands beside the case's. back: its trajectory in the words of the case's scene.
         clock: by what the time of the case, its step too, is multiplied. restored_at [s]: there the state is saved, and after
-        the run's end it is taken back to that; None for a plain run.
+        the run's end it is taken back to that; None for a plain run. control: what acts on it from outside, as on the case's.
     """
 
     name: str
@@ -35,6 +36,7 @@ class Retelling:
     back: Callable[[Trajectory], Trajectory]
     clock: float = 1.0
     restored_at: float | None = None
+    control: Control | None = None
 
 
 def _same(trajectory: Trajectory) -> Trajectory:
@@ -59,6 +61,23 @@ def nudged(scene: Scene) -> Retelling:
     other = replace(body, p_WB=(float(np.nextafter(x, np.inf)), y, z))
     bodies = (*scene.bodies[:place], other, *scene.bodies[place + 1 :])
     return Retelling(name="nudged", scene=replace(scene, bodies=bodies), back=_same)
+
+
+BUILT = 1e-9
+"""Metres by which starts differ that nobody could tell apart: ten atoms."""
+
+
+def started(scene: Scene, number: int, control: Control | None = None) -> Retelling:
+    """The same scene from a start of its own, which that number draws: each free body up to `BUILT` off its place."""
+    joined = {name for joint in scene.joints for name in (joint.parent, joint.child)}
+    draw = np.random.default_rng(number)
+    bodies = [
+        replace(body, p_WB=tuple((np.array(body.p_WB) + draw.uniform(-BUILT, BUILT, 3)).tolist()))
+        if body.movable and body.name not in joined
+        else body
+        for body in scene.bodies
+    ]
+    return Retelling(name=f"start_{number}", scene=replace(scene, bodies=tuple(bodies)), back=_same, control=control)
 
 
 def reordered(scene: Scene) -> Retelling:

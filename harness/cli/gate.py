@@ -1,4 +1,4 @@
-"""What the gate of a run is about: our own engine's checks, its determinism, the audit of effects, and tuned tracks."""
+"""What the gate of a run is about: the reference engine's checks, its determinism, the audit of effects, and tuned tracks."""
 
 from typing import TYPE_CHECKING
 
@@ -7,8 +7,8 @@ if TYPE_CHECKING:
 
 
 def failures(store: "Store") -> list[str]:
-    """What the gate is about: our own engine's checks on the tuned track and its determinism, the audit of effects, and tuned
-    tracks of all engines that a change of one knob beats without a reason."""
+    """What the gate is about: the reference engine's checks on the tuned track and its determinism, the audit of effects, and
+    tuned tracks of all engines that a change of one knob beats without a reason."""
     from plumbline.harness.findings.effects_audit import JUDGE, audit
     from plumbline.harness.findings.steps_taken import step_in_words, substeps_of
     from plumbline.harness.findings.tables import determinism, dominance

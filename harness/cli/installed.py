@@ -82,6 +82,7 @@ def check(engine: str, tracks: tuple[str, ...], verbose: bool, as_json: bool, ag
     from plumbline.api.engines import chosen_engines
     from plumbline.harness.conformance import gate
     from plumbline.harness.conformance.apart import outcomes_in
+    from plumbline.harness.conformance.outcomes import in_brief
     from plumbline.harness.study import plugins
     from plumbline.harness.study.engine_versions import version_asked
     from plumbline.harness.study.environments import home_of
@@ -105,9 +106,6 @@ def check(engine: str, tracks: tuple[str, ...], verbose: bool, as_json: bool, ag
         rows = [(o.track, o.check, o.status, o.message) for o in sorted(shown, key=lambda o: _ORDER[o.status])]
         if rows:
             print_table(title, ("track", "check", "status", "finding"), rows)
-        counts = {status: sum(o.status == status for o in outcomes) for status in dict.fromkeys(o.status for o in outcomes)}
-        checks = len({o.check for o in outcomes})
-        told = ", ".join(f"{n} {status}" for status, n in counts.items())
-        say(f"{title}: {checks} checks: {told}{'' if verbose else '; --verbose shows each'}")
+        say(f"{title}: {in_brief(outcomes)}{'' if verbose else '; --verbose shows each'}")
     if not gate(outcomes):
         sys.exit(GATE)

@@ -13,7 +13,7 @@ from typing import Any
 from plumbline.harness.findings.columns import Span
 from plumbline.harness.intake.safe_text import LONGEST, csv_cell, latex_cell, markdown_cell, one_line
 
-MOST_ROWS = 5000
+MOST_ROWS = 1000
 """That a table for people shows: each costs a millisecond."""
 
 

@@ -6,6 +6,7 @@ from plumbline.harness.cli.cluster_commands import merge
 from plumbline.harness.cli.diff_command import diff
 from plumbline.harness.cli.figure_command import figure
 from plumbline.harness.cli.findings_command import findings
+from plumbline.harness.cli.glossary_command import glossary
 from plumbline.harness.cli.guard import Guarded
 from plumbline.harness.cli.history_group import history
 from plumbline.harness.cli.installed import cases, check, engines
@@ -47,6 +48,7 @@ for command in (
     parity,
     publish,
     warm,
+    glossary,
 ):
     main.add_command(command)
 

@@ -1,11 +1,18 @@
 """Between a robot file and a run of it: the import, kept in the run folder, and what is refused before anything runs."""
 
+from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from plumbline.harness.cli.guard import say
 from plumbline.harness.cli.robot_options import imported_from, is_robot
+
+if TYPE_CHECKING:
+    from plumbline.harness.scene import Scene
+    from plumbline.harness.scene.importers.commands import Log
+    from plumbline.harness.scene.importers.imported import Imported
 
 
 def scene_to_run(name: str, folder: Path, options: dict[str, Any]) -> str:
@@ -23,6 +30,10 @@ def scene_to_run(name: str, folder: Path, options: dict[str, Any]) -> str:
     imported = imported_from(path, options, looks=True)
     of_run = {key: options[key] for key in ("dt", "duration") if options.get(key) is not None}
     imported = replace(imported, **of_run)
+    if options.get("commands") or options.get("interpolate") or options.get("gains"):
+        imported = _replayed(imported, options)
+    log = options.get("states")
+    states = None if log is None else _recorded(imported, log)
     counts = {word: sum(row.outcome == word for row in imported.fidelity) for word in ("exact", "approximated", "left_out")}
     summary = ", ".join(f"{count} kinds of elements {word.replace('_', ' ')}" for word, count in counts.items())
     say(f"{imported.source}: {summary}; show --table fidelity lists them", err=True)
@@ -31,4 +42,34 @@ def scene_to_run(name: str, folder: Path, options: dict[str, Any]) -> str:
             say(f"joint '{row.name}' starts at {row.becomes}: {row.consequence} {row.value:.3g} {row.unit}", err=True)
     if imported.dropped:
         say(f"dropped by the user: {', '.join(imported.dropped)}", err=True)
-    return str(keep(folder, imported))
+    return str(keep(folder, imported, states))
+
+
+def _replayed(imported: "Imported", options: "dict[str, Any]") -> "Imported":
+    """The import whose joints follow --commands, for as long as they last unless a duration is said. Raises: RobotError."""
+    from plumbline.harness.intake.refusal import RobotError
+    from plumbline.harness.scene.importers.commands import read_log
+    from plumbline.harness.scene.importers.replay import Gains, replayed
+
+    if options["commands"] is None:
+        raise RobotError("--interpolate and --gains are about --commands, which is not given")
+    log = read_log(options["commands"])
+    duration = imported.duration or max(log.time[-1] - log.time[0], log.time[1] - log.time[0] if len(log.time) > 1 else 1.0)
+    gains = None if options["gains"] is None else Gains(stiffness=options["gains"][0], damping=options["gains"][1])
+
+    def under(scene: "Scene", tell: Callable[[str], object]) -> "Scene":
+        return replayed(scene, log, duration=duration, gains=gains, joined=options["interpolate"], tell=tell)
+
+    undropped = None if imported.undropped is None else under(imported.undropped, lambda _: None)
+    scene = under(imported.scene, partial(say, err=True))
+    return replace(imported, scene=scene, undropped=undropped, duration=duration)
+
+
+def _recorded(imported: "Imported", path: Path) -> "Log":
+    """A log of measured positions, checked against the import. Raises: RobotError."""
+    from plumbline.harness.scene.importers.commands import read_log
+    from plumbline.harness.scene.importers.replay import recorded
+
+    log = read_log(path)
+    recorded(imported.scene, log)
+    return log

@@ -32,6 +32,8 @@ _robot_file = click.Path(path_type=Path, dir_okay=False)
 @click.option("--root", type=click.Choice(["fixed", "floating"]), help="How a root is held of which its file says nothing.")
 @click.option("--package", "packages", multiple=True, metavar="NAME=DIR", help="Where package://NAME lies; may be repeated.")
 @click.option("--move", metavar="drop|sines|CSV", help="Move FILE and OTHER by the same torques: when and where do they part?")
+@click.option("--commands", type=_robot_file, metavar="LOG", help="Move both by recorded torques: time, knee:torque, ...")
+@click.option("--interpolate", is_flag=True, help="Join the values of --commands by straight lines; else they are held.")
 @click.option("--seconds", type=click.FloatRange(min=0.01, max=60.0), default=2.0, help="How long they are moved; 2.")
 @click.option("--gate", "gated", multiple=True, metavar="ENGINE", help="Exit 1 where a loader of it changes FILE undocumented.")
 @click.option("--out", type=click.Path(path_type=Path, file_okay=False), help="Write the comparison and its page there.")
@@ -50,7 +52,7 @@ def parity(file: Path, other: Path | None, as_json: bool, **options: Any) -> Non
 
     options["tolerance"] = options["tolerance"] or TOLERANCE
     if other is None:
-        for option, name in (("--map", "names"), ("--move", "move")):
+        for option, name in (("--map", "names"), ("--move", "move"), ("--commands", "commands")):
             if options[name] is not None:
                 raise click.UsageError(f"{option} is for two files, and OTHER is not given")
         failed = _audit(file, wishes, as_json, options)
@@ -72,7 +74,11 @@ def _pair(file: Path, other: Path, wishes: Wishes, as_json: bool, options: dict[
     from plumbline.harness.scene.parity.stated import pair_of
     from plumbline.harness.store.parity_record import Side
 
-    tolerance = options["tolerance"]
+    if options["move"] is not None and options["commands"] is not None:
+        raise click.UsageError("--move and --commands both say what moves the robots, expected one of them")
+    if options["interpolate"] and options["commands"] is None:
+        raise click.UsageError("--interpolate is about --commands, which is not given")
+    tolerance, move = options["tolerance"], options["move"] or options["commands"]
     a, b = pair_of(file, other, wishes)
     if options["names"] is not None:
         b = renamed(b, joint_names(options["names"], a, b))
@@ -85,12 +91,12 @@ def _pair(file: Path, other: Path, wishes: Wishes, as_json: bool, options: dict[
     else:
         say(f"the same robot: {len(a.joints)} joints and what they move agree to {tolerance:g}")
     looked_at, passed_over = compared(a, b)
-    parted = None if options["move"] is None else _moved(a, b, options)
+    parted = None if move is None else _moved(a, b, options)
     if parted is not None:
         say(_told(parted), err=as_json)
     say(f"compared: {', '.join(looked_at)}; not compared: {', '.join(passed_over)}", err=as_json)
     side = Side(name=other.name, source=b.source, rows=tuple(plain(row) for row in rows))
-    parting = None if parted is None else {"move": _move_name(options["move"]), **asdict(parted)}
+    parting = None if parted is None else {"move": _move_name(str(move)), **asdict(parted)}
     _keep(file, a, "floating" if a.joints and a.joints[0].kind == "free" else "fixed", (side,), options, parting)
     return bool(rows)
 
@@ -115,7 +121,10 @@ def _moved(a: "RobotFacts", b: "RobotFacts", options: dict[str, Any]) -> "Partin
     start: Configuration = drawn(a, partner, options["seed"])[0]
     if any(law.kind == "closure" for law in (*a.laws, *partner.laws)):
         start = Configuration(np.zeros(len(a.joints)), {}, start.rates)
-    motion = motion_of(options["move"], a, start, gravity, options["seconds"])
+    commands, held = options["commands"], options["commands"] is not None and not options["interpolate"]
+    motion = motion_of(
+        str(options["move"] or commands), a, start, gravity, options["seconds"], replay=commands is not None, held=held
+    )
     engine = plugins.adapter("mujoco")
     return parting(a, engine.move_robot(a, motion), engine.move_robot(partner, motion))
 

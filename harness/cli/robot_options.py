@@ -12,6 +12,7 @@ from plumbline.harness.cli.guard import say
 from plumbline.harness.cli.seconds import Seconds
 from plumbline.harness.intake.documents import document
 from plumbline.harness.intake.import_wishes import DROPPABLE, SCENARIOS, STARTS, Wishes, package_roots
+from plumbline.harness.intake.safe_text import quoted
 
 if TYPE_CHECKING:
     from plumbline.harness.scene.importers.imported import Imported
@@ -38,20 +39,44 @@ _OPTIONS = (
         "--strict", is_flag=True, help="Refuse elements and attributes that the format of a robot file does not have."
     ),
 )
-NAMES = "--drop, --package, --root, --scenario, --start, --one-friction, --strict, --dt, --duration, --budget"
+NAMES = (
+    "--drop, --package, --root, --scenario, --start, --one-friction, --strict, --dt, --duration, --commands, --states, "
+    "--interpolate, --gains, --budget"
+)
 """All that is for scenes and robots alone."""
 Command = TypeVar("Command", bound=Callable[..., Any])
 
 
+class PairOfGains(click.ParamType["tuple[float, float]"]):
+    """Stiffness and damping, both 0 or more: 100,5."""
+
+    name = "gains"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[float, float]:
+        """Both. Raises: click.BadParameter."""
+        try:
+            stiffness, damping = (float(text) for text in str(value).split(","))
+        except ValueError:
+            stiffness = damping = -1.0
+        if not (0.0 <= stiffness < 1e12 and 0.0 <= damping < 1e12):
+            self.fail(f"{quoted(str(value), 60)}, expected STIFFNESS,DAMPING like 100,5", param, ctx)
+        return stiffness, damping
+
+
+_LOG = click.Path(path_type=Path, dir_okay=False)
 _RUN = (
     click.option("--dt", type=Seconds(1e-9, 1.0), metavar="X", help="The coarsest time step [s] of the ladder [1/240]."),
     click.option("--duration", type=Seconds(1e-6, 1e6), metavar="X", help="How long the scene runs [s] [5]."),
-    click.option("--budget", type=Seconds(0.0, 1e7), metavar="T", help="CPU time of the ladder, like 60, 5m, 2h [90 s]."),
+    click.option("--commands", type=_LOG, metavar="LOG", help="Joints follow a CSV or npz: time, knee, hip:torque, ..."),
+    click.option("--states", type=_LOG, metavar="LOG", help="A recorded robot to compare with: time and positions of joints."),
+    click.option("--interpolate", is_flag=True, help="Join the values of --commands by straight lines; else they are held."),
+    click.option("--gains", type=PairOfGains(), metavar="K,D", help="Stiffness and damping of drives that --commands needs."),
+    click.option("--budget", type=Seconds(0.0, 1e7), metavar="T", help="How long you wait for it, like 60, 5m, 2h [2m]."),
 )
 
 
 def run_options(command: Command) -> Command:
-    """The command with --dt, --duration and --budget."""
+    """The command with --dt, --duration, --commands, --states, --interpolate, --gains and --budget."""
     for option in reversed(_RUN):
         command = option(command)
     return command

@@ -15,7 +15,7 @@ from plumbline.harness.cli.gate import failures
 from plumbline.harness.cli.guard import GATE, INTERRUPTED, USAGE, check_words, fail_for, say, stop
 from plumbline.harness.cli.options import agreed, limited
 from plumbline.harness.cli.own_import import scene_to_run
-from plumbline.harness.cli.own_scene import closing_count, closing_words
+from plumbline.harness.cli.own_scene import closing_count, closing_words, waiting
 from plumbline.harness.cli.robot_options import NAMES, is_robot, is_scene, robot_options, run_options
 from plumbline.harness.cli.support import support_lines
 from plumbline.harness.intake.safe_text import quoted
@@ -132,6 +132,8 @@ def run(
         raise click.BadParameter(f"for scene and robot files alone; {quoted(study)} is none", param_hint=NAMES)
 
     from plumbline.harness.run.campaign import carry_out
+    from plumbline.harness.run.interrupt import until
+    from plumbline.harness.run.known_results import UNGUIDED
     from plumbline.harness.study.experiment import StudyError
 
     try:
@@ -150,8 +152,11 @@ def run(
         say(sentence, err=True)
     try:
         how: bool | Literal["merge"] = "merge" if resume == "merge" else resume is not None
-        with at_work(scheduler) as cluster:
-            store = carry_out(plan, folder, chosen, adapters, workers=workers, resume=how, shard=shard, cluster=cluster)
+        guide = waiting(chosen, folder, budget) if own else UNGUIDED
+        with at_work(scheduler) as cluster, until(guide.end):
+            store = carry_out(
+                plan, folder, chosen, adapters, workers=workers, resume=how, shard=shard, cluster=cluster, guide=guide
+            )
     except StudyError as error:
         stop(USAGE, _of_file(study, error))
     except KeyboardInterrupt:

@@ -38,17 +38,55 @@ def _weights(_context: click.Context, _parameter: click.Parameter, given: tuple[
 
 @click.command()
 @click.argument("folder", metavar="[DIR]", required=False, type=click.Path(path_type=Path))
-@click.option("--published", is_flag=True, help="By the dataset that ships with Plumbline, in place of DIR.")
-@click.option("--need", multiple=True, callback=_listed, metavar="NAME,...", help="Families or patterns of cases that count.")
-@click.option("--feature", multiple=True, callback=_listed, metavar="NAME,...", help="What an engine has to be able to do.")
-@click.option("--max-error", type=click.FloatRange(0, 1, min_open=True), help="A share of each case's scale, to be reached.")
-@click.option("--realtime", type=click.FloatRange(0, min_open=True), help="How many times faster than real time.")
-@click.option("--weight", multiple=True, callback=_weights, metavar="CRITERION=NUMBER,...", help="1 unless said.")
-@click.option("--licence", multiple=True, callback=_listed, metavar="SPDX,...", help="Any of these.")
-@click.option("--platform", default="", metavar="NAME", help="linux-x86_64, linux-aarch64, macos-arm64, windows-x86_64.")
-@click.option("--preset", default="", metavar="NAME|FILE", help="Weights, cases and reasons for a purpose.")
-@click.option("--with-reference", is_flag=True, help="Rank our own engine, the ruler, too.")
-@click.option("--evidence", is_flag=True, help="What the answer leans on, run by run, in place of the answer.")
+@click.option("--published", is_flag=True, help="By the dataset that ships with Plumbline, instead of DIR.")
+@click.option(
+    "--need",
+    multiple=True,
+    callback=_listed,
+    metavar="NAME,...",
+    help="Families (flight, spin, orbit, joint, impact, friction, rest, stack, tunnel, stand, system, sensor) or patterns of "
+    "cases that count.",
+)
+@click.option(
+    "--feature",
+    multiple=True,
+    callback=_listed,
+    metavar="NAME,...",
+    help="A feature that an engine must have; `plumbline engines --json` lists them.",
+)
+@click.option(
+    "--max-error",
+    type=click.FloatRange(0, 1, min_open=True),
+    help="The error to be reached, a share of each case's scale [0.01]. Engines that do not reach it are excluded.",
+)
+@click.option(
+    "--realtime",
+    type=click.FloatRange(0, min_open=True),
+    help="The speed to be reached, in times real time. Slower engines are excluded.",
+)
+@click.option(
+    "--weight",
+    multiple=True,
+    callback=_weights,
+    metavar="CRITERION=NUMBER,...",
+    help="Weights of accuracy, speed, limits, robustness, determinism, capability [1 each].",
+)
+@click.option("--licence", multiple=True, callback=_listed, metavar="SPDX,...", help="Only engines with one of these licences.")
+@click.option(
+    "--platform",
+    default="",
+    metavar="NAME",
+    help="Only engines that run on: linux-x86_64, linux-aarch64, macos-arm64, windows-x86_64.",
+)
+@click.option(
+    "--preset",
+    default="",
+    metavar="NAME|FILE",
+    help="Weights and cases for a purpose: games, legged, manipulation, rl-throughput, sensors, teaching, vehicles; "
+    "or a TOML file of your own.",
+)
+@click.option("--with-reference", is_flag=True, help="Rank the reference engine too.")
+@click.option("--evidence", is_flag=True, help="The figures behind the answer, run by run.")
 @click.option("--json", "as_json", is_flag=True, help="One JSON array of flat rows.")
 def select(
     folder: Path | None,
@@ -65,7 +103,7 @@ def select(
     evidence: bool,
     as_json: bool,
 ) -> None:
-    """Which engine? By the run in DIR, for what is needed, and how surely."""
+    """Which engine suits a purpose, and how sure that is, by the runs in DIR."""
     from plumbline.harness.findings.selection import Wish, choose, read_preset
     from plumbline.harness.findings.selection.preset import merged
 
@@ -131,26 +169,30 @@ def _known(store: "Store", need: tuple[str, ...]) -> tuple[str, ...]:
 
 
 def _rows(answer: "Answer") -> list[dict[str, Any]]:
-    """One an engine: its place, or why it is left out; of one that nobody stands beside no share, but why it is alone."""
+    """One an engine: its entry, or why it is left out; of one that nobody stands beside no share, but why it is alone."""
     rows: list[dict[str, Any]] = []
-    for place in answer.rank.places if answer.rank is not None else ():
+    for entry in answer.rank.places if answer.rank is not None else ():
         rows.append(
             {
-                "engine": place.engine,
-                "place": place.number,
-                "first": None if answer.alone else place.first,
-                "score": place.score,
-                "low": place.low,
-                "high": place.high,
-                "track": answer.evidence.tracks[place.engine],
-                **{criterion: place.by_criterion.get(criterion) for criterion in _criteria()},
+                "engine": entry.engine,
+                "place": entry.number,
+                "first": None if answer.alone else entry.first,
+                "speed": answer.evidence.typical("speed", entry.engine),
+                "error": answer.evidence.typical("accuracy", entry.engine),
+                "score": entry.score,
+                "low": entry.low,
+                "high": entry.high,
+                "track": answer.evidence.tracks[entry.engine],
+                **{criterion: entry.by_criterion.get(criterion) for criterion in _criteria()},
                 "alone": answer.alone or None,
                 "left_out": None,
                 "case": None,
                 "trial": None,
             }
         )
-    blank = dict.fromkeys(rows[0] if rows else ("place", "first", "score", "low", "high", "track", *_criteria(), "alone"))
+    blank = dict.fromkeys(
+        rows[0] if rows else ("place", "first", "speed", "error", "score", "low", "high", "track", *_criteria(), "alone")
+    )
     for drop in answer.dropped:
         why = f"{drop.requirement}: {drop.value}"
         rows.append({**blank, "engine": drop.engine, "left_out": why, "case": drop.case or None, "trial": drop.trial or None})
@@ -164,7 +206,16 @@ def _criteria() -> tuple[str, ...]:
 
 
 def _print(store: "Store", answer: "Answer", preset: str) -> None:
-    from plumbline.harness.findings.selection.words import dropped_sentence, headline, turn_sentences, undecided_sentence
+    from plumbline.harness.findings.selection.words import (
+        decisive,
+        dropped_sentence,
+        error_percent,
+        headline,
+        percent,
+        trade,
+        turn_sentences,
+        undecided_sentence,
+    )
 
     titles = store.titles
 
@@ -172,35 +223,58 @@ def _print(store: "Store", answer: "Answer", preset: str) -> None:
         return titles.get(name, name)
 
     say(headline(answer, called))
+    if traded := trade(answer, called):
+        say(traded)
+    sentence, command = decisive(answer, called, called)
+    if sentence:
+        say(sentence)
+    if command:
+        say(f"  {command}")
     if answer.rank is not None:
-        counted = answer.rank.counted
-        columns = ["place", "engine", "settings", "first in", "score", *(f"{name} ({counted[name]})" for name in counted)]
+        counted, evidence = answer.rank.counted, answer.evidence
+        columns = ["place", "engine", "settings", "first in", "speed", "error", "score"]
+        columns += [f"{name} ({counted[name]})" for name in counted]
         rows = []
-        for place in answer.rank.places:
-            shares = [f"{place.by_criterion[name]:.2f}" for name in counted]
-            score = f"{place.score:.2f} ({place.low:.2f} .. {place.high:.2f})"
-            track = answer.evidence.tracks[place.engine]
-            first = "-" if answer.alone else f"{100 * place.first:.0f} %"
-            rows.append([place.number, called(place.engine), track, first, score, *shares])
-        title = f"of 1; in brackets the cases that each is measured on{f'; preset {preset}' if preset else ''}"
-        print_table(title, columns, rows)
+        for entry in answer.rank.places:
+            shares = [f"{entry.by_criterion[name]:.2f}" for name in counted]
+            speed, error = (evidence.typical(name, entry.engine) for name in ("speed", "accuracy"))
+            score = f"{entry.score:.2f} ({entry.low:.2f} .. {entry.high:.2f})"
+            figures = [
+                "-" if speed is None else f"{float(f'{speed:.2g}'):g}x",
+                "-" if error is None else error_percent(error),
+            ]
+            first = "-" if answer.alone else percent(entry.first)
+            track = evidence.tracks[entry.engine]
+            rows.append([entry.number, called(entry.engine), track, first, *figures, score, *shares])
+        purpose = f"preset {preset}; " if preset else ""
+        print_table(
+            f"{purpose}speed (times real time) and error of the typical case; scores 0 to 1, in brackets the cases that count",
+            columns,
+            rows,
+        )
     for drop in answer.dropped:
         say(dropped_sentence(drop, called, called))
     for drop in answer.undecided:
         say(undecided_sentence(drop, called, called))
     for sentence in turn_sentences(answer.turns, called, called):
-        say(f"It would be {sentence}")
+        say(sentence)
     _print_gaps(answer)
 
 
 def _print_gaps(answer: "Answer") -> None:
     """What there is no evidence of, so that nobody takes silence for a good mark."""
-    without = [name for name in _criteria() if answer.rank is not None and name not in answer.rank.counted]
+    if answer.rank is None:
+        return
+    without = [name for name in _criteria() if name not in answer.rank.counted and answer.wish.weight(name) > 0]
     if without:
-        say(f"Nothing in this run says anything of {', '.join(without)}.")
-    bounds = {case for (_, case, _), datum in answer.evidence.table.items() if datum.bounded}
-    if bounds:
-        say(f"Speed known only as a lower bound in {len(bounds)} cases; --evidence lists them.")
+        say(f"Not measured in this run: {', '.join(without)}.")
+    nominal = [key for key, speed in answer.evidence.speeds.items() if not speed.at_error]
+    if nominal:
+        error = f"{100 * answer.wish.max_error:g} %"
+        say(
+            f"Speed at {error} error is known in {len(answer.evidence.speeds) - len(nominal)} of {len(answer.evidence.speeds)} "
+            "pairs of engine and case; otherwise it is that of the cheapest run that passes. --evidence lists them."
+        )
     if answer.evidence.incomplete:
         pairs = answer.evidence.incomplete
         cases = ", ".join(dict.fromkeys(case for _, case in pairs))

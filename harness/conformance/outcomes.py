@@ -28,6 +28,23 @@ class Outcome:
     message: str
 
 
+_WORST_FIRST = ("failed", "improved", "known", "passed", "not_applicable")
+_ENDED = {"failed": "fail", "improved": "pass though declared to fail", "known": "fail as declared", "passed": "pass"}
+
+
+def in_brief(outcomes: Iterable[Outcome]) -> str:
+    """'80 of 203 checks apply; all 80 pass': each check counts once, by its worst outcome on any track."""
+    worst: dict[str, str] = {}
+    for outcome in outcomes:
+        known = worst.get(outcome.check, "not_applicable")
+        worst[outcome.check] = min(known, outcome.status, key=_WORST_FIRST.index)
+    counts = {status: sum(of == status for of in worst.values()) for status in reversed(_WORST_FIRST[:-1])}
+    apply = sum(counts.values())
+    told = [f"{count} {_ENDED[status]}" for status, count in counts.items() if count]
+    ended = f"all {told[0]}" if len(told) == 1 else ", ".join(told) or "nothing to check"
+    return f"{apply} of {len(worst)} checks apply; {ended}"
+
+
 def _finding(adapter: Adapter, track: str, check: ConformanceCheck) -> Finding:
     """The check's own verdict; every exception is a failure that names it."""
     try:

@@ -99,7 +99,7 @@ def _noticed(store: Store, trial: str) -> set[str]:
 def _effects(
     store: Store, answer: Answer, passed: Sequence[Answer], weights: Mapping[tuple[str, str, str, str], bool]
 ) -> tuple[str, ...]:
-    """Those that are there or not against the scene's word, and that the failure goes with."""
+    """Those that are there or not though the scene asks otherwise, and that the failure goes with."""
     without = [_noticed(store, other.trial) for other in passed]
     kept = []
     for effect in sorted(_noticed(store, answer.trial)):

@@ -15,7 +15,7 @@ from plumbline.harness.findings.prices import Price
 BUDGETS = (1e-4, 1e-3)
 """CPU seconds for one time step of a case that engines are compared at: a tenth of a millisecond, and a millisecond."""
 REFERENCE = "reference"
-"""The ruler, which leads are counted with and without."""
+"""The engine that leads are counted with and without."""
 EQUAL = 1e-9
 
 Extent = tuple[float, float]

@@ -105,6 +105,7 @@ class Prices:
 
     def __init__(self, store: Store) -> None:
         self._store = store
+        self._draws: dict[tuple[str, str], Draws] = {}
         self._cases: Mapping[str, Mapping[str, Any]] = store.catalogue.get("cases", {})
         self._ours = {name for name, engine in store.catalogue.get("engines", {}).items() if engine.get("ours")}
 
@@ -189,6 +190,18 @@ class Prices:
             best=False,
         )
 
+    def draws(self, case: str, where: str) -> "Draws":
+        """The resamples of all clocked points of a scene, drawn once."""
+        if (case, where) not in self._draws:
+            clocked = [point for point in self.by_scene.get((case, where), ()) if point.clocked]
+            self._draws[case, where] = Draws(clocked, self._samples)
+        return self._draws[case, where]
+
+    def error(self, trial: str, case: str) -> float | None:
+        """The error of a trial as a share of its case's scale; None where it has none."""
+        error = self._headlines.get(trial, (math.nan, 0.0))[0]
+        return error / float(self._cases.get(case, {}).get("scale") or 1.0) if math.isfinite(error) else None
+
     @cached_property
     def by_scene(self) -> Mapping[tuple[str, str], list[Point]]:
         """The points of each case at one set of parameters."""
@@ -209,7 +222,7 @@ class Prices:
     def _of_case(self, case: str, where: str, trials: pd.DataFrame) -> Iterator[Price]:
         unit = unit_of(trials)
         here = self.by_scene.get((case, where), [])
-        draw, targets = Draws([point for point in here if point.clocked], self._samples), np.array(TARGETS)
+        draw, targets = self.draws(case, where), np.array(TARGETS)
         of_engine = {engine: [p for p in here if p.engine == engine] for engine in dict.fromkeys(trials["engine"])}
         lists = {engine: List(mine, draw, targets) for engine, mine in of_engine.items()}
         lacking = {e: without(trials[trials["engine"] == e], here, e) for e, costs in lists.items() if costs.best is None}
@@ -366,5 +379,6 @@ class List:
     def beside(self, k: int, target: float) -> tuple[Point, Point | None]:
         """The point that the k-th price leans on, and the next one of the same group that errs more than the target."""
         group = self._groups[int(np.nanargmin(self._middles[:, k]))]
-        under = min((p for p in group if p.error <= target), key=lambda p: p.cost)
-        return under, min((p for p in group if p.error > target), key=lambda p: p.error, default=None)
+        at = target * (1 + 1e-9)  # a price is one of logarithms, whose rounding may put an error at the target beyond it
+        under = min((p for p in group if p.error <= at), key=lambda p: p.cost)
+        return under, min((p for p in group if p.error > at), key=lambda p: p.error, default=None)

@@ -4,6 +4,7 @@ A non-finite value anywhere in the series stays non-finite in each of the three.
 """
 
 from collections.abc import Callable
+from typing import Literal
 
 import numpy as np
 
@@ -61,7 +62,13 @@ def two(name: str, unit: str, source: str, series: Series) -> tuple[Metric, Metr
     return reduced("max", maximum), reduced("final", last)
 
 
-def proportion(name: str, source: str, verdict: str, count: Callable[[Run], tuple[int, int]]) -> tuple[Metric, Metric, Metric]:
+def proportion(
+    name: str,
+    source: str,
+    verdict: str,
+    count: Callable[[Run], tuple[int, int]],
+    better: Literal["lower", "higher"] = "lower",
+) -> tuple[Metric, Metric, Metric]:
     """Three metrics of a share: '<name>', and the ends '<name>_low' and '<name>_high' of its interval. Args: count: k of n."""
 
     def share(run: Run) -> float:
@@ -75,7 +82,8 @@ def proportion(name: str, source: str, verdict: str, count: Callable[[Run], tupl
             source=f"{side} 95 % bound of Wilson (1927) on {name}",
             measure=lambda run: wilson_interval(*count(run))[index],
             verdict=verdict,
+            better=better,
         )
 
-    whole = Metric(name=name, unit="1", source=source, measure=share, verdict=verdict)
+    whole = Metric(name=name, unit="1", source=source, measure=share, verdict=verdict, better=better)
     return whole, end("low", "lower", 0), end("high", "upper", 1)

@@ -2,7 +2,8 @@
 
 Uniform gravity is allowed for: it adds M g t to the momentum, and no moment about the common centre of mass, about which the
 angular momentum is taken. A joint to the world, a drive on the world or damping exchanges momentum: then nothing is measured.
-Contact with a static body does so as well; a case that has it does not ask for this metric.
+Contact with a body that no force moves does so as well, and between two samples unseen: where there can be one, nothing is
+measured.
 """
 
 import numpy as np
@@ -23,6 +24,9 @@ def _isolated(run: Run) -> None:
             raise NotMeasurable(f"body '{body.name}' is damped: momentum is not conserved")
         if body.prescribed is not None:
             raise NotMeasurable(f"body '{body.name}' is led: momentum is not conserved")
+    for fixed in run.scene.bodies:
+        if not fixed.movable and any(body.movable and run.scene.collides(body, fixed) for body in run.scene.bodies):
+            raise NotMeasurable(f"body '{fixed.name}' stays and can be touched: momentum is not conserved")
     if len(run.movable) == 0:
         raise NotMeasurable("no body can move")
     if len(run.actual) == 0:

@@ -3,7 +3,6 @@
 import hashlib
 import random
 import sys
-import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from datetime import UTC, datetime
@@ -18,13 +17,13 @@ from plumbline.harness.adapter import Adapter
 from plumbline.harness.case import Case
 from plumbline.harness.case.alteration import ALONE
 from plumbline.harness.case.own_titles import called
+from plumbline.harness.run.clock_time import clock_time, together
 from plumbline.harness.run.fork_servers import expect
 from plumbline.harness.run.interrupt import TimeIsUp, stop_if_asked
 from plumbline.harness.run.isolated import run_isolated
 from plumbline.harness.run.known_results import UNGUIDED, Guide
 from plumbline.harness.run.preloads import preloads
 from plumbline.harness.run.progress import Progress
-from plumbline.harness.run.remaining_time import RemainingTime, together
 from plumbline.harness.run.resume import another_study, clear_drafts, clocked_elsewhere, merged, review
 from plumbline.harness.run.timing_protocol import clock_group
 from plumbline.harness.search import dominance, first_break, front, needless_effects, refined_ladder
@@ -81,11 +80,10 @@ class _Run:
     machine: Mapping[str, Any]
     cluster: "Workplace | None"
     guide: Guide
-    remaining: RemainingTime
 
 
 def _accuracy(run: _Run, what: str, trials: Sequence[Trial]) -> None:
-    journal, guide, cluster, remaining = run.journal, run.guide, run.cluster, run.remaining
+    journal, guide, cluster = run.journal, run.guide, run.cluster
     machine = machine_digest(run.machine)
     waiting = [trial for trial in trials if trial.trial not in journal.records]
     unavailable = {trial.trial: reason for trial in waiting if (reason := run.reasons[trial.engine]) is not None}
@@ -96,15 +94,13 @@ def _accuracy(run: _Run, what: str, trials: Sequence[Trial]) -> None:
         if trial.trial not in unavailable and (known := guide.known(trial)) is not None:
             journal.append(known)
     waiting = [trial for trial in waiting if trial.trial not in journal.records]
-    remaining.forget([trial.trial for trial in trials if trial.trial in journal.records])
     if not waiting:
         return
     by_name = {trial.trial: trial for trial in waiting}
     alone = [trial for trial in waiting if trial.alteration.name == ALONE]
     beside = [trial for trial in waiting if trial.alteration.name != ALONE]
     lost: list[str] = []
-    remaining.answers_begin([trial.trial for trial in (*beside, *alone)], time.monotonic())
-    with Progress(what, len(waiting), remaining.left) as progress:
+    with Progress(what, len(waiting)) as progress:
         for group, side, at_once in ((beside, run.workers, 0), (alone, 1, 1)):
             answers = run_isolated(group, run.folder, side) if cluster is None else cluster.answers(group, run.folder, at_once)
             for record in answers:
@@ -113,14 +109,13 @@ def _accuracy(run: _Run, what: str, trials: Sequence[Trial]) -> None:
                 else:
                     kept = replace(record, answered_on=record.answered_on or machine)
                     journal.append(guide.answered(by_name[record.trial], kept))
-                remaining.answered(record, time.monotonic())
                 progress.advance(f"{called(record.case)} {record.engine}/{record.track} {record.status}")
     if lost:
         raise StoreError(f"{len(lost)} of {len(waiting)} answers could not be kept, first: {lost[0]}")
 
 
 def _timing(run: _Run, trials: Sequence[Trial]) -> None:
-    journal, cases, guide, cluster, remaining = run.journal, run.cases, run.guide, run.cluster, run.remaining
+    journal, cases, guide, cluster = run.journal, run.cases, run.guide, run.cluster
     records, here = dict(journal.records), machine_digest(run.machine)
     near = front.due_for_clock(trials, records, cases) | dominance.due_for_clock(trials, records, cases)
     due = [
@@ -139,29 +134,27 @@ def _timing(run: _Run, trials: Sequence[Trial]) -> None:
     order: dict[tuple[object, ...], int] = {}
     due.sort(key=lambda trial: order.setdefault(together(trial), len(order)))
     shuffle, troubles = random.Random(0), list[str]()
-    remaining.clocks_begin(due, records, time.monotonic())
-    with Progress("timing", len(due), remaining.left) as progress:
+    with Progress("timing", len(due)) as progress:
         groups = [tuple(group) for _, group in groupby(due, key=together)]
         if cluster is None:
-            groups = list(_sittings(groups, guide.sitting, remaining))
+            foreseen = {trial.trial: clock_time(trial, records[trial.trial], cases[trial.case]) for trial in due}
+            groups = list(_sittings(groups, guide.sitting, foreseen))
             clocked = _one_by_one(groups, run.folder, partial(clock_group, shuffle=shuffle, say=progress.tell), guide)
         else:
             clocked = cluster.clocked(groups, run.folder)
-        sitting = {trial.trial: group for group in groups for trial in group}
         for timing in clocked:
             journal.append(replace(timing, clocked_on=here))
             troubles += [timing.note] if timing.note else []
-            remaining.clocked(sitting[timing.trial], time.monotonic())
             progress.advance(f"{called(records[timing.trial].case)} {records[timing.trial].engine}")
     if troubles:
         print(f"timing: trouble in {len(troubles)} of {len(due)} trials, first: {troubles[0]}", file=sys.stderr)
 
 
-def _sittings(groups: Sequence[tuple[Trial, ...]], seconds: float, remaining: RemainingTime) -> Iterator[tuple[Trial, ...]]:
+def _sittings(groups: Sequence[tuple[Trial, ...]], seconds: float, times: Mapping[str, float]) -> Iterator[tuple[Trial, ...]]:
     """Questions of one experiment that are clocked in one sitting: as many as are foreseen to take so long, one at least."""
     sitting, left = tuple[Trial, ...](), seconds
     for group in groups:
-        left -= (foreseen := sum(map(remaining.clock, group)))
+        left -= (foreseen := sum(times[trial.trial] for trial in group))
         if sitting and (left < 0 or group[0].experiment != sitting[0].experiment):
             yield sitting
             sitting, left = (), seconds - foreseen
@@ -228,7 +221,14 @@ def _searched(run: _Run, trials: list[Trial]) -> list[Trial]:
             (first_break.next_trials, any(trial.experiment.limit for trial in trials)),
             (dominance.next_trials, any(trial.experiment.dominance for trial in trials)),
             (partial(needless_effects.next_trials, store=Store(run.folder)), any(trial.experiment.effects for trial in trials)),
-            (partial(refined_ladder.next_trials, store=Store(run.folder)), any(trial.experiment.refine for trial in trials)),
+            (
+                partial(
+                    refined_ladder.next_trials,
+                    store=Store(run.folder),
+                    wanted=lambda finer: guide.searches(finer, journal.records),
+                ),
+                any(trial.experiment.refine for trial in trials),
+            ),
         )
         if wanted
     ]
@@ -239,7 +239,6 @@ def _searched(run: _Run, trials: list[Trial]) -> list[Trial]:
         if not more:
             break
         number += 1
-        run.remaining.expect(more)
         _accuracy(run, f"search, round {number}", more)
         extended += more
     return extended
@@ -323,11 +322,9 @@ def carry_out(
             machine=machine,
             cluster=cluster,
             guide=guide,
-            remaining=RemainingTime(cases, workers),
         )
         try:
             for batch in guide.batches(trials):
-                run.remaining.expect(batch)
                 _accuracy(run, "accuracy", batch)
                 _timing(run, _searched(run, batch))
         except TimeIsUp as up:

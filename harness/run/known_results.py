@@ -1,5 +1,6 @@
 """What may steer a run beyond its study: what is known already, in which order it goes, where its searches begin."""
 
+import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
 
 from plumbline.harness.run.interrupt import UnderWay
@@ -14,6 +15,10 @@ class Guide:
     """
 
     sitting = 60.0
+
+    def end(self) -> float:
+        """When the run is broken off, on the monotonic clock [s]; infinite for never."""
+        return math.inf
 
     def batches(self, trials: Sequence[Trial]) -> Iterator[list[Trial]]:
         """The trials in parts, each of which is answered, searched on and clocked before the next one begins."""

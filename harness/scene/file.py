@@ -36,8 +36,10 @@ def dump_toml(scene: Scene) -> str:
 def to_toml(scene: Scene) -> str:
     """The scene as a person would write it: values that differ from their defaults alone, a list of numbers in a line.
 
-    `parse` reads it back to an equal scene.
+    `parse` reads it back to an equal scene. Raises: SceneError, where it is none.
     """
+    if not isinstance(scene, Scene):
+        raise SceneError(f"to_toml: {quoted(scene)}, expected Scene")
     return _NUMBERS.sub(
         lambda listed: f"[{', '.join(listed[1].split()).replace(',,', ',').rstrip(',')}]",
         tomli_w.dumps(_brief(scene, _plain(scene))),

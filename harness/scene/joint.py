@@ -96,7 +96,10 @@ class Ball:
 
 @dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)
 class OneAxis:
-    """One coordinate about or along `axis_W` through `anchor_W` (both in W at time 0)."""
+    """One coordinate about or along `axis_W` through `anchor_W` (both in W at time 0).
+
+    Terms: effort [N m or N]: a law of time that acts on the coordinate from outside, on both bodies, beside any drive.
+    """
 
     name: Name
     parent: Name
@@ -111,6 +114,7 @@ class OneAxis:
     friction_loss: NonNegative | None = None
     speed_limit: Positive | None = None
     coupling: Coupling | None = None
+    effort: Motion | None = None
     collide: bool = False
 
 

@@ -41,11 +41,13 @@ class Samples:
     """Targets at times, joined by straight lines, in place of the drive's own; before the first and after the last they stay.
 
     Terms:
-        time [s], rising; target [rad or m], as many.
+        time [s], rising; target [rad or m], as many; of an effort [N m or N]. held: each stays until the next one, without
+        lines between them; None: no.
     """
 
     time: Annotated[tuple[Finite, ...], Field(min_length=1, max_length=MOST_SAMPLES)]
     target: Annotated[tuple[Finite, ...], Field(min_length=1, max_length=MOST_SAMPLES)]
+    held: bool | None = None
     type: Literal["samples"] = "samples"
 
     def __post_init__(self) -> None:
@@ -61,12 +63,14 @@ class Samples:
         if after in (0, len(self.time)):
             return self.target[0 if after == 0 else -1]
         t, x = self.time, self.target
+        if self.held:
+            return x[after - 1]
         return x[after - 1] + (x[after] - x[after - 1]) * (time - t[after - 1]) / (t[after] - t[after - 1])
 
     def rate_at_start(self) -> float:
         """How fast the target moves from time 0 on [rad/s or m/s]."""
         after = bisect_right(self.time, 0.0)
-        if after in (0, len(self.time)):
+        if self.held or after in (0, len(self.time)):
             return 0.0
         return (self.target[after] - self.target[after - 1]) / (self.time[after] - self.time[after - 1])
 

@@ -10,17 +10,22 @@ Where fewer than two engines that people can deploy have a limit up to the end, 
 contacts, and single runs say little of it. There each engine is run from several perturbed starts at one step, so that means
 can be compared.
 
+Where an engine's two tracks end apart, or it ends apart from others, its settings are turned one by one, to see which one does
+it (`harness.search.setting_turns`).
+
 Where a robot's user left out what not every engine has (`--drop`), each engine is also run once with it, at the finest step
 that it answered: what the omission does is a number then. Such a run counts for nothing else.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 
 from plumbline.harness.adapter import Adapter
 from plumbline.harness.case import Case
-from plumbline.harness.case.alteration import AS_IT_IS, UNDROPPED, Alteration
+from plumbline.harness.case.alteration import AS_IT_IS, TURNED, UNDROPPED, Alteration
 from plumbline.harness.case.undropped import kinds_left_out
-from plumbline.harness.search.own_limits import ANSWERED, FEWEST, OwnLimit, own_limit, rungs_of
+from plumbline.harness.scene import Effect
+from plumbline.harness.search.own_limits import ANSWERED, FEWEST, OwnLimit, granted_of, own_limit, rungs_of
+from plumbline.harness.search.setting_turns import turned_trials
 from plumbline.harness.store.record import Record
 from plumbline.harness.store.store import Store
 from plumbline.harness.study.experiment import Refinement
@@ -50,8 +55,10 @@ def next_trials(
     adapters: Mapping[str, Adapter],
     *,
     store: Store,
+    wanted: Callable[[Trial], bool] = lambda _: True,
 ) -> list[Trial]:
-    """The next round of all ladders; empty where each has ended."""
+    """The next round of all ladders; empty where each has ended. Args: wanted: is there time for a finer step? Where there is
+    none its ladder has ended."""
     scenes: dict[str, list[Trial]] = {}
     for trial in trials:
         if trial.experiment.refine is not None:
@@ -59,51 +66,71 @@ def next_trials(
             scenes.setdefault(repr(name), []).append(trial)
     probes = []
     for scene in scenes.values():
-        asked = scene[0].experiment.refine
-        assert asked is not None
-        probes += list(_of_scene(scene, asked, records, cases[scene[0].case], adapters, store))
+        refinement = scene[0].experiment.refine
+        assert refinement is not None
+        probes += list(_of_scene(scene, refinement, records, cases[scene[0].case], adapters, store, wanted))
     return probes
 
 
 def _of_scene(
     scene: Sequence[Trial],
-    asked: Refinement,
+    refinement: Refinement,
     records: Mapping[str, Record],
     case: Case,
     adapters: Mapping[str, Adapter],
     store: Store,
+    wanted: Callable[[Trial], bool],
 ) -> Iterator[Trial]:
     ladders: dict[tuple[str, str], list[Trial]] = {}
     for trial in scene:
         if trial.alteration == AS_IT_IS:
             ladders.setdefault((trial.engine, trial.track), []).append(trial)
-    scale, share = extent(case.scene(case.at(**scene[0].parameters))), asked.budget / len(ladders)
+    whole, share = case.scene(case.at(**scene[0].parameters)), refinement.budget / len(ladders)
+    scale = extent(whole)
+    granted = granted_of(whole, scale, touching=Effect.CONTACT in whole.effects)
     number = max(trial.round for trial in scene) + 1
-    limits = {side: _limit(ladder, records, scale, store) for side, ladder in ladders.items()}
+    limits = {side: _limit(ladder, records, scale, store, adapters[side[0]], granted) for side, ladder in ladders.items()}
+    turned = {trial.engine for trial in scene if trial.alteration.name == TURNED}
+    yield from turned_trials(
+        {side: ladder for side, ladder in ladders.items() if side[0] not in turned},
+        limits, records, case, adapters, scale,
+        near=refinement.member_dt,
+        most=refinement.turns,
+        affordable={side: max(share - _spent(ladder, records, case), RESERVED * share) for side, ladder in ladders.items()},
+        number=number,
+    )  # fmt: skip
     more = [
         finer
         for side, ladder in ladders.items()
-        if (finer := _halved(ladder, limits[side], asked, records, case, share, number)) is not None
+        if (finer := _halved(ladder, limits[side], refinement, records, case, share, number)) is not None and wanted(finer)
     ]
     if more:
         yield from more
         return
     if case.undropped is not None and not any(trial.alteration.undropped for trial in scene):
         yield from _undropped(ladders, records, case, number)
-    if any(trial.alteration.start for trial in scene) or not asked.members:
+    if any(trial.alteration.start for trial in scene) or not refinement.members:
         return
     # An engine's tuned answer counts, where it has one: what a vendor's default adds may well calm a motion that is chaotic.
     counted = {engine: limit for (engine, track), limit in limits.items() if track != "tuned" and _answered(limit)}
     counted |= {engine: limit for (engine, track), limit in limits.items() if track == "tuned" and _answered(limit)}
-    known = [engine for engine, limit in counted.items() if _to_the_end(limit, case) and not is_ours(adapters[engine])]
-    if len(known) < 2:
+    settled = [engine for engine, limit in counted.items() if _to_the_end(limit, case) and not is_ours(adapters[engine])]
+    if len(settled) < 2:
         for side, ladder in ladders.items():
             if len(_answered(limits[side])) >= FEWEST:
-                yield from _starts(ladder, asked, records, case, share, number)
+                yield from _starts(ladder, refinement, records, case, share, number)
 
 
-def _limit(ladder: Sequence[Trial], records: Mapping[str, Record], scale: Extent, store: Store) -> OwnLimit:
-    return own_limit(scale, rungs_of(store, [records[trial.trial] for trial in ladder if trial.trial in records]))
+def _limit(
+    ladder: Sequence[Trial],
+    records: Mapping[str, Record],
+    scale: Extent,
+    store: Store,
+    adapter: Adapter,
+    granted: float,
+) -> OwnLimit:
+    answered = [records[trial.trial] for trial in ladder if trial.trial in records]
+    return own_limit(scale, rungs_of(store, answered), adapter.orders, granted)
 
 
 def _answered(limit: OwnLimit) -> list[float]:
@@ -117,7 +144,7 @@ def _to_the_end(limit: OwnLimit, case: Case) -> bool:
 def _halved(
     ladder: Sequence[Trial],
     limit: OwnLimit,
-    asked: Refinement,
+    refinement: Refinement,
     records: Mapping[str, Record],
     case: Case,
     share: float,
@@ -129,8 +156,8 @@ def _halved(
     if record is None or record.status not in (*ANSWERED, "diverged"):
         return None
     finer = last.settings.dt / 2
-    beyond = finer < asked.finest * (1 - _UNKNOWN)
-    if beyond and (_to_the_end(limit, case) or finer < asked.finest / 2**asked.further * (1 - _UNKNOWN)):
+    beyond = finer < refinement.finest * (1 - _UNKNOWN)
+    if beyond and (_to_the_end(limit, case) or finer < refinement.finest / 2**refinement.further * (1 - _UNKNOWN)):
         return None
     if _spent(ladder, records, case) + 2 * _cost(record, case) > share:
         return None
@@ -158,18 +185,18 @@ def _undropped(
 
 
 def _starts(
-    ladder: Sequence[Trial], asked: Refinement, records: Mapping[str, Record], case: Case, share: float, number: int
+    ladder: Sequence[Trial], refinement: Refinement, records: Mapping[str, Record], case: Case, share: float, number: int
 ) -> Iterator[Trial]:
     """An engine from perturbed starts, at the step that was asked for or the next one that it answered and can pay for.
 
     They are paid for by what its ladder has left of its share, or by as much as RESERVED of it beyond.
     """
     answered = [trial for trial in ladder if records[trial.trial].status in ANSWERED]
-    near = sorted(answered, key=lambda trial: abs(trial.settings.dt - asked.member_dt))
+    near = sorted(answered, key=lambda trial: abs(trial.settings.dt - refinement.member_dt))
     affordable = max(share - _spent(ladder, records, case), RESERVED * share)
     for trial in near:
-        if asked.members * _cost(records[trial.trial], case) <= affordable:
-            for start in range(1, asked.members + 1):
+        if refinement.members * _cost(records[trial.trial], case) <= affordable:
+            for start in range(1, refinement.members + 1):
                 yield trial.probing(case, alteration=Alteration(name=start_name(start), start=start), round=number)
             return
 

@@ -5,6 +5,7 @@ D. V. Hinkley, Bootstrap Methods and their Application (1997), section 3.8 (samp
 Teachers Should Know About the Bootstrap, The American Statistician 69 (2015) 371, section 4.4 (few samples).
 """
 
+import math
 from collections import Counter
 from collections.abc import Sequence
 from functools import lru_cache
@@ -48,6 +49,15 @@ def interval_of_median(values: NDArray[np.float64], groups: Sequence[int] | None
     low, high = interval_of_drawn(medians(np.append(values[order], np.nan)[places]))
     middle, wider = float(np.median(values)), widening(len(values))
     return middle * (low / middle) ** wider, middle * (high / middle) ** wider
+
+
+def with_drift(middle: float, interval: tuple[float, float], drift: float) -> tuple[float, float]:
+    """A 95 % interval of what is measured at one time, so wide that it holds at another: independent spreads add up in squares.
+
+    Args: drift: of what is measured from one time to another, root mean square and relative.
+    """
+    low, high = (math.exp(math.hypot(math.log(end / middle), _NORMAL * drift)) for end in interval)
+    return middle / low, middle * high
 
 
 @lru_cache(maxsize=64)

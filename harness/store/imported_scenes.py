@@ -14,6 +14,7 @@ from plumbline.harness.case.own_titles import OWN
 from plumbline.harness.case.undropped import beside as undropped_beside
 from plumbline.harness.scene import PlacedShape
 from plumbline.harness.scene.file import dump_toml
+from plumbline.harness.scene.importers.commands import Log
 from plumbline.harness.scene.importers.fidelity import plain
 from plumbline.harness.scene.importers.imported import Imported
 from plumbline.harness.store import disk
@@ -24,12 +25,16 @@ MINIMAL = "minimal"
 """The folder of scenes that the audit of effects proposes; made from the rest, like a report."""
 _TABLE = "fidelity.json"
 _LOOKS = "looks.json"
+_STATES = "states.json"
 _SHAPES: TypeAdapter[dict[str, tuple[PlacedShape, ...]]] = TypeAdapter(dict[str, tuple[PlacedShape, ...]])
 _UNSAFE = re.compile(r"[^A-Za-z0-9_-]+")
 
 
-def keep(folder: Path, imported: Imported) -> Path:
-    """Write an import into a run folder; the same one is written once. Returns: the scene file. Raises: OSError."""
+def keep(folder: Path, imported: Imported, states: Log | None = None) -> Path:
+    """Write an import into a run folder; the same one is written once. Returns: the scene file. Raises: OSError.
+
+    Args: states: positions of its joints that were measured, to compare with.
+    """
     name = _UNSAFE.sub("_", imported.name).strip("_")[:80] or "scene"
     table = {
         "name": imported.name,
@@ -44,13 +49,17 @@ def keep(folder: Path, imported: Imported) -> Path:
         wishes["look_at"] = list(imported.look_at)
     scene = dump_toml(imported.scene)
     whole = [] if imported.undropped is None else [dump_toml(imported.undropped)]
+    measured = None if states is None else _plain_log(states)
+    whole += [] if measured is None else [json.dumps(measured)]
     digest = hashlib.sha256(json.dumps([scene, table, wishes, *whole]).encode()).hexdigest()[:12]
     directory = folder / FOLDER / digest
     disk.make_folder(directory)
     files = {f"{name}.toml": sealed_toml(f"{name}.toml", scene), _TABLE: sealed_json(_TABLE, table)}
-    for text in whole:
+    for text in whole[: imported.undropped is not None]:
         file = undropped_beside(directory / f"{name}.toml").name
         files[file] = sealed_toml(file, text)
+    if measured is not None:
+        files[_STATES] = sealed_json(_STATES, measured)
     if imported.looks:
         files[_LOOKS] = sealed_json(_LOOKS, _SHAPES.dump_python(dict(imported.looks), mode="json"))
     if wishes:
@@ -59,6 +68,27 @@ def keep(folder: Path, imported: Imported) -> Path:
         if not (directory / file).exists() or disk.read(directory / file) != content:
             disk.write_atomically(directory / file, content)
     return directory / f"{name}.toml"
+
+
+def _plain_log(log: Log) -> dict[str, Any]:
+    start = log.time[0]
+    columns = {joint: list(values) for (joint, _), values in log.columns.items()}
+    return {"source": log.source, "time": [t - start for t in log.time], "positions": columns}
+
+
+def states_of(folder: Path, case: str) -> dict[str, Any] | None:
+    """What was measured of the robot that a case is made of: source, time [s], positions by joint; None without.
+
+    Raises: Damaged.
+    """
+    path = folder / FOLDER / Path(case).parent.name / _STATES
+    if not case.startswith(OWN) or not path.is_file():
+        return None
+    content = disk.read(path)
+    if not check_seal(path, content):
+        raise Damaged(f"{path}: it has no checksum")
+    stored: dict[str, Any] = json.loads(content)
+    return stored
 
 
 def kept(folder: Path) -> Iterator[dict[str, Any]]:

@@ -123,13 +123,14 @@ class Refinement:
     Terms:
         finest [s]: the time step that every engine's ladder is halved down to. further: halvings beyond it, for an engine whose
         limit is not known to the end yet. budget [s]: CPU time of all runs of the experiment, shared alike by its engines and
-        tracks. members: perturbed starts that are run where no two engines' limits are known to the end, at the time step
-        `member_dt` [s].
+        tracks. turns: settings of an engine that are turned one by one where its tracks end apart. members: perturbed starts
+        that are run where no two engines' limits are known to the end, at the time step `member_dt` [s].
     """
 
     finest: Step = 1 / 3840
     further: Annotated[int, Field(ge=0, le=10)] = 2
     budget: Annotated[float, Field(ge=0, le=1e7)] = 120.0
+    turns: Annotated[int, Field(ge=0, le=100)] = 8
     members: Annotated[int, Field(ge=0, le=1000)] = 8
     member_dt: Step = 1 / 960
 

@@ -48,6 +48,14 @@ def turns(settings: Settings, knobs: Iterable[str], values: Mapping[str, Sequenc
         yield from (Turn(knob, value) for value in values[knob] if value != position(settings, knob))
 
 
+def differing(before: Settings, after: Settings) -> list[Turn]:
+    """Each knob in which two groups of settings differ, turned to the second; one that it leaves to the engine cannot be."""
+    names = ("substeps", "iterations", "integrator", "solver", "tolerance")
+    knobs = [*names, *(OPTION + name for name in dict.fromkeys([*before.options, *after.options]))]
+    turns = [Turn(knob, position(after, knob)) for knob in knobs if position(before, knob) != position(after, knob)]
+    return [turn for turn in turns if turn.value is not None]
+
+
 def turn_between(before: Mapping[str, Any], after: Mapping[str, Any]) -> Turn | None:
     """The turn that makes one group of settings of another, both as `Settings.plain`; None if they differ in no knob, or in
     more than one."""

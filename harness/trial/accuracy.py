@@ -155,11 +155,17 @@ def _off(metric: Metric, own: Mapping[str, float], scene: Scene, actual: Traject
     return 0.0
 
 
+def _missed(missed: Measurement, unit: str) -> str:
+    """A value and the bound that it misses, in as many digits, four or more, as tell them apart."""
+    digits = next((n for n in range(4, 17) if f"{missed.value:.{n}g}" != f"{missed.at_most:.{n}g}"), 17)
+    return f"{missed.metric} = {missed.value:.{digits}g}{unit}, bound {missed.at_most:.{digits}g}"
+
+
 def _verdict(measurements: tuple[Measurement, ...]) -> tuple[Status, str]:
     broken = [m for m in measurements if m.passed is False]
     if broken:
         units = {m.metric: "" if m.unit == "1" else f" {m.unit}" for m in broken}
-        return "failed", "; ".join(f"{m.metric} = {m.value:.4g}{units[m.metric]}, bound {m.at_most:.4g}" for m in broken)
+        return "failed", "; ".join(_missed(m, units[m.metric]) for m in broken)
     if not any(m.passed for m in measurements):
         return "unsupported", "; ".join(m.because for m in measurements) or "no check could be measured"
     blind = [m.metric for m in measurements if m.at_most is not None and m.passed is None]
@@ -271,6 +277,7 @@ def _stepped(trial: Trial, case: Case, adapter: Adapter, scene: Scene, sample_in
             with_contacts=with_contacts,
             seed=trial.seed,
             with_impulses=with_contacts and any(metric.impulses for metric in case.metrics),
+            pushed=case.control is not None,
         )
         if scene.sensors and case.truth == "agreed limit":
             seen |= readings_due(scene, actual)

@@ -51,7 +51,7 @@ def equivalent_run(
     pace = Pace.of(settings.pace, dt * clock)
     built = adapter.build(retelling.scene, settings.with_dt(dt * clock))
     simulation = paced(cast(Simulation, Answering(built, retelling.scene)), pace)
-    control = acting(retelling.scene)
+    control = acting(retelling.scene, retelling.control)
     if control is not None:
         simulation = cast(Simulation, Controlled(simulation, control, pace, len(retelling.scene.bodies)))
     try:

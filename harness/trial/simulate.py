@@ -9,6 +9,7 @@ from plumbline.harness.scene import Scene
 from plumbline.harness.sensors.recorder import SensorRecorder
 from plumbline.harness.trajectory import Contacts, Floats, State, Trajectory
 from plumbline.harness.trajectory.pace import Pace
+from plumbline.harness.trial.energy_limit import EnergyLimit
 
 UNIT = 1e-6
 """How far the norm of a quaternion may be off 1: ten times what one that is normalised in single precision leaves."""
@@ -48,19 +49,20 @@ class _Impulses:
 class _Log:
     """Room for a trajectory, filled sample by sample."""
 
-    def __init__(self, steps: int, every: int, pace: Pace, bodies: int, with_contacts: bool) -> None:
+    def __init__(self, steps: int, every: int, pace: Pace, limit: EnergyLimit, bodies: int, with_contacts: bool) -> None:
         places = [*range(0, steps, every), steps]
         self.trajectory = Trajectory.of(np.array([pace.time(place) for place in places], dtype=np.float64), bodies)
-        self.pace = pace
+        self.pace, self.limit = pace, limit
         self.contacts: list[Contacts] | None = [] if with_contacts else None
         self.filled = 0
 
     def take(self, simulation: Simulation) -> State:
-        """Read the next sample; raises Diverged where it is not finite."""
+        """Read the next sample; raises Diverged where it is not finite, or has more energy than anything can have given."""
         state = self.trajectory.state(self.filled)
         simulation.state(state)
         if not state.finite:
             raise Diverged("the state is not finite")
+        self.limit.check(state)
         if self.contacts is not None:
             self.contacts.append(simulation.contacts())
         self.filled += 1
@@ -95,13 +97,14 @@ def simulate(
     with_contacts: bool,
     seed: int,
     with_impulses: bool = False,
+    pushed: bool = False,
 ) -> tuple[Trajectory, str | None]:
     """Step a simulation to its end; the trajectory and, where it diverged, when and how.
 
     Samples are taken every so many steps, at the times at which these end: uneven ones, where the steps are.
 
     Args: with_impulses: read contacts after every step, for the streams of `harness.metric.contact_impulses`; where every step
-        is a sample, there are none.
+        is a sample, there are none. pushed: does a force from outside act on the scene?
     Raises: BrokenContract; Unsupported for sensors under uneven steps.
     """
     dt = pace.dt
@@ -109,7 +112,8 @@ def simulate(
         raise Unsupported("sensors under uneven steps", "their readings and latencies are whole numbers of even steps")
     steps = max(1, round(duration / dt))
     every = steps_between_samples(sample_interval, dt)
-    log = _Log(steps, every, pace, len(scene.bodies), with_contacts)
+    limit = EnergyLimit.of(scene, duration, pushed=pushed)
+    log = _Log(steps, every, pace, limit, len(scene.bodies), with_contacts)
     sensors = SensorRecorder(scene, simulation, seed, dt) if scene.sensors else None
     impulses = _Impulses(pace, len(scene.bodies)) if with_impulses and every > 1 else None
     here, reading = 0, State.empty(len(scene.bodies))

@@ -1,4 +1,4 @@
-"""The first page: which engine, what accuracy costs, what breaks, what changed; then the verdicts, and where all comes from."""
+"""The first page: which engine and how surely, what breaks, what changed; then the verdicts, and where all comes from."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -7,9 +7,9 @@ from functools import partial
 from plumbline.harness.findings.emulations import whose
 from plumbline.harness.store.store import Store
 from plumbline.reports.charts.errors import across_cases
+from plumbline.reports.charts.typical_case import typical_case
 from plumbline.reports.html.template import fill
-from plumbline.reports.page import Page, Rendered, navigation
-from plumbline.reports.pictures.case_pictures import thumbnails
+from plumbline.reports.page import Page, Rendered
 from plumbline.reports.standalone.history_news import history_news
 from plumbline.reports.tables.engine_cases import tracks_of
 from plumbline.reports.tables.engine_summary import Glance, glances
@@ -17,7 +17,6 @@ from plumbline.reports.tables.failures import failing
 from plumbline.reports.tables.limits_met import limits_met
 from plumbline.reports.tables.own_scenes import by_case
 from plumbline.reports.tables.published import published_table
-from plumbline.reports.tables.realtime_speed import three
 from plumbline.reports.tables.selection import needs
 from plumbline.reports.tables.summary import sentences
 from plumbline.reports.tables.trial_results import answers, at_own_step
@@ -42,7 +41,7 @@ PACED = "At 1 a simulated second takes a second of CPU time. A speed says little
 
 
 def render(store: Store) -> Mapping[str, Rendered]:
-    """The page and its two charts."""
+    """The page and its charts."""
     rows = answers(store)
     # What a search went on to is no track: it stands on the pages of the cases.
     rows = at_own_step(store, rows[rows["track"].isin(named_tracks(store))])
@@ -59,15 +58,17 @@ def render(store: Store) -> Mapping[str, Rendered]:
     sides: dict[str, dict[str, Glance]] = {}
     for glance in glances(store):
         sides.setdefault(glance.engine, {})[glance.track] = glance
+    purposes = needs(store)
+    typical = typical_case(store) if purposes else None
     page = fill(
         "index.html",
         store,
         title=store.study.get("title") or store.study.get("name", "Report"),
         described=bool(store.catalogue),
-        needs=needs(store),
+        needs=purposes,
         sentences=sentences(store),
-        paced=three(store),
-        has_price=any(page.name == "price" for page in navigation(store)),
+        typical=typical,
+        ranked=[name for name in engines(store) if any(name in need.standings for need in purposes)],
         failures=failing(store),
         limits=limits_met(store),
         bounded=bool(judged - by_case(store).keys()),
@@ -83,7 +84,6 @@ def render(store: Store) -> Mapping[str, Rendered]:
         published=published_table(store),
         sides=sides,
         families=cells_by_family(store),
-        thumbs=thumbnails(store),
         cells=cells,
         meanings=(VERDICTS if by_case(store) else {}) | (STATUSES if len(by_case(store)) < len(judged) else {}),
         laws={(case, name, track): whose(store.catalogue, name, case, track) for case, name, track in cells},
@@ -94,7 +94,7 @@ def render(store: Store) -> Mapping[str, Rendered]:
         machine=store.machine,
         trials=len(store.trials),
     )
-    return {"index.html": page} | {figure.path: figure for figure in figures}
+    return {"index.html": page} | {figure.path: figure for figure in (typical, *figures) if figure is not None}
 
 
 PAGE = Page(name="index", title="Overview", order=0, render=render)

@@ -1,13 +1,16 @@
-"""A page for each scene of one's own: who agrees where it ends, up to when, what it costs, and what stays defined beyond."""
+"""A page for each scene of one's own: does it run, do engines agree, who is off and why, what accuracy costs, what to set."""
 
 import shlex
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import PurePath
 from typing import Any
 
-from plumbline.harness.findings.agreement import Agreement, balances, horizon_of, outlooks
+from plumbline.harness.findings.agreement import Agreement, balances, foreseeable_until, horizon_of, outlooks
+from plumbline.harness.findings.agreement.costs import best_setting, cost_words
 from plumbline.harness.findings.agreement.perturbed_starts import LAWS
-from plumbline.harness.findings.agreement.words import metres
+from plumbline.harness.findings.agreement.setting_causes import cause_words, settings_turned
+from plumbline.harness.findings.agreement.words import headline, listed, metres, side_words
 from plumbline.harness.findings.tables import agreement as agreement_table
 from plumbline.harness.findings.tables.fidelity import of_element
 from plumbline.harness.store.imported_scenes import kept_by
@@ -21,7 +24,7 @@ from plumbline.reports.page import Page, Rendered
 from plumbline.reports.pictures.case_pictures import sight
 from plumbline.reports.recordings.layout import file_name
 from plumbline.reports.tables.csv import sheet
-from plumbline.reports.tables.own_scenes import by_case, shown, summary
+from plumbline.reports.tables.own_scenes import by_case, shown, summary, titles
 from plumbline.reports.tables.price_list import price_list
 from plumbline.reports.tables.priced_scenes import scenes
 from plumbline.reports.tables.trial_results import answers
@@ -90,8 +93,11 @@ def render(store: Store) -> Mapping[str, Rendered]:
             file=file_of(name),
             robot=robots.get(folder_of(name)),
             found=[judged(store, agreement) for agreement in agreements],
-            seen=sight(store, name),
+            seen=(seen := sight(store, name)),
             summary=summary(store, name),
+            answers=[
+                answer for agreement in agreements for answer in answers_of(store, agreement, parted=seen.parting is not None)
+            ],
             meanings=VERDICTS,
             figures=charts,
             prices=listed,
@@ -108,6 +114,38 @@ def render(store: Store) -> Mapping[str, Rendered]:
             view=f"plumbline view {shlex.quote(str(store.folder))} {shlex.quote(name)}",
         )
     return files
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """One question that a person asks of a scene of theirs. Terms: leads: to the part of the page with its picture."""
+
+    title: str
+    sentences: tuple[str, ...]
+    leads: str
+
+
+def answers_of(store: Store, agreement: Agreement, *, parted: bool) -> list[Answer]:
+    """What the first screen says, in the order in which it is needed to act. Args: parted: is there a picture of a parting?"""
+    names = titles(store)
+    cannot: dict[str, str] = {}
+    runs = dict.fromkeys(side.engine for side in agreement.sides if side.word not in ("cannot", "diverged"))
+    for side in agreement.sides:
+        if side.engine not in runs:
+            cannot.setdefault(side.engine, f"{names[side.engine]}: {side.word} ({side.why}).")
+    ended = [f"Runs on {listed([names[engine] for engine in runs])}." if runs else "No engine runs it.", *cannot.values()]
+    off = [side for side in agreement.sides if side.word in ("converges elsewhere", "does not converge") and not side.ours]
+    who = [f"{names[side.engine]}, {side.track}: {side_words(side, agreement)}." for side in off]
+    causes = cause_words(settings_turned(store, agreement), agreement, names)
+    costs = cost_words(store)
+    best = best_setting(store, agreement)
+    return [
+        Answer("Does it run?", tuple(ended), "happened"),
+        Answer("Do they agree?", (headline(agreement, names),), "agreement"),
+        Answer("Who is off, and why?", (*who, *causes) or ("Nobody.",), "parting" if parted else "agreement"),
+        Answer("What does accuracy cost?", tuple(costs) or ("Nothing was clocked at a limit that is agreed.",), "charts"),
+        Answer("What to set?", (best or "No setting is known to err by 1 % or less.",), "charts"),
+    ]
 
 
 def file_of(name: str) -> str:
@@ -140,7 +178,8 @@ def judged(store: Store, agreement: Agreement) -> dict[str, Any]:
         },
         "bar": None if agreement.bar is None else (agreement.bar, metres(agreement.bar, agreement)),
         "laws": {law: by_side for law in LAWS.values() if (by_side := laws.get(law))},
-        "outlooks": outlooks(store, agreement),
+        "outlooks": (ensembles := outlooks(store, agreement)),
+        "foreseeable": foreseeable_until(agreement, ensembles),
         "horizon": horizon_of(agreement),
     }
 

@@ -4,12 +4,13 @@ from collections.abc import Mapping
 from functools import partial
 
 from plumbline.harness.findings.selection import CRITERIA, listing
-from plumbline.harness.findings.selection.words import dropped_sentence, headline, turn_sentences
+from plumbline.harness.findings.selection.rank import DRAWS
+from plumbline.harness.findings.selection.words import decisive, dropped_sentence, headline, trade, turn_sentences
 from plumbline.harness.store.store import Store
 from plumbline.reports.html.template import fill
 from plumbline.reports.page import Page
 from plumbline.reports.tables.csv import sheet
-from plumbline.reports.tables.selection import answer, asked_of_several, evidence_rows, live
+from plumbline.reports.tables.selection import answer, answers_by_purpose, asked_of_several, evidence_rows, live, standings
 from plumbline.reports.words.catalogue import FAMILIES, cases, engine_title, setting_words
 
 
@@ -26,11 +27,19 @@ def render(store: Store) -> Mapping[str, str]:
         return FAMILIES[name].lower() if name in FAMILIES else str(known[name]["title"])
 
     rows = evidence_rows(store)
+    what, command = decisive(found, titled, called)
+    placed = [place.engine for place in found.rank.places] if found.rank is not None else []
+    elsewhere = dict.fromkeys(name for each in answers_by_purpose(store).values() for name in each.evidence.engines)
     page = fill(
         "select.html",
         store,
         title="Which engine",
-        answer=found,
+        standings=standings(store, found),
+        others=[name for name in elsewhere if name not in placed],
+        draws=DRAWS,
+        trade=trade(found, titled),
+        decisive=what,
+        command=command,
         headline=headline(found, titled),
         turns=turn_sentences(found.turns, titled, called),
         dropped=[dropped_sentence(drop, titled, called) for drop in found.dropped],

@@ -39,10 +39,12 @@ class Watch:
 
 @dataclass(frozen=True, slots=True)
 class Sight:
-    """What a page shows of a case. Terms: missing: why something is not shown, in words, one each."""
+    """What a page shows of a case. Terms: parting: the moment at which engines part, None where they do not. missing: why
+    something is not shown, in words, one each."""
 
     thumb: Still | None
     film: Film | None
+    parting: Film | None
     motion: Motion | None
     overview: Panel | None
     apart: tuple[Panel, ...]
@@ -53,7 +55,7 @@ class Sight:
     @property
     def stills(self) -> tuple[Still, ...]:
         """All pictures."""
-        rows = self.film.rows if self.film else ()
+        rows = [row for each in (self.film, self.parting) if each for row in each.rows]
         return (*([self.thumb] if self.thumb else []), *(row.still for row in rows))
 
 
@@ -89,6 +91,7 @@ def sight(store: Store, name: str) -> Sight:
         return Sight(
             thumb=thumbnail(stage),
             film=film(stage),
+            parting=film(stage, _about(min(partings), stage.length)) if partings else None,
             motion=motion,
             overview=overview(motion, chosen) if motion else None,
             apart=apart(motion, chosen, titles) if motion else (),
@@ -98,7 +101,12 @@ def sight(store: Store, name: str) -> Sight:
         )
     except (StoreError, ValueError, KeyError, IndexError, TypeError) as error:
         print(one_line(f"pictures of case '{name}': {type(error).__name__}: {error}", LONGEST), file=sys.stderr)
-        return Sight(None, None, None, None, (), (), serve, (f"Nothing could be drawn: {type(error).__name__}: {error}",))
+        return Sight(None, None, None, None, None, (), (), serve, (f"Nothing could be drawn: {type(error).__name__}: {error}",))
+
+
+def _about(moment: float, duration: float) -> tuple[float, float]:
+    """From a tenth of the run before a moment [s] to three tenths after it, within the run."""
+    return max(0.0, moment - 0.1 * duration), min(duration, moment + 0.3 * duration)
 
 
 def _worth_watching(line: Line, partings: Sequence[float]) -> tuple[float, str]:

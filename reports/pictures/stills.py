@@ -116,11 +116,11 @@ def thumbnail(stage: Stage) -> Still | None:
                   [[motion.q[k] for k in shown]], view, larger)  # fmt: skip
 
 
-def film(stage: Stage) -> Film | None:
-    """The strips of a case; None where it cannot be drawn or nothing moves visibly."""
+def film(stage: Stage, between: tuple[float, float] | None = None) -> Film | None:
+    """The strips of a case; None where it cannot be drawn or nothing moves visibly. Args: between [s]: all unless said."""
     if not _drawable(stage) or not len(stage.moving):
         return None
-    moments = np.linspace(0.0, _end(stage), MOMENTS)
+    moments = np.linspace(*(between or (0.0, _end(stage))), MOMENTS)
     told = _told(stage, moments)
     motions = [_run(stage, k, moments) for k in range(len(stage.runs))]
     low, high, larger = _framing(stage, [told] if told else motions)

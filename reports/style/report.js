@@ -70,7 +70,7 @@
     for (const end of ["pointerleave", "blur"]) cell.addEventListener(end, () => (box.style.display = "none"));
   }
 
-  // Our own engine is the yardstick; a reader may put it away on every page. The choice is kept where the browser lets us.
+  // The reference engine is the yardstick; a reader may put it away on every page. The choice is kept where the browser lets us.
   const root = document.documentElement;
   const yardsticks = new Set(JSON.parse(root.dataset.yardsticks ?? "[]"));
   const away = () => root.dataset.yardstick === "hidden";

@@ -1,172 +1,168 @@
-// Which engine, live: the score of harness/findings/selection/rank.py, over weights and requirements that a reader sets.
+// Which engine, live: the score of harness/findings/selection/rank.py with its very numbers, over weights that a reader sets.
 "use strict";
 
 (() => {
   const source = document.getElementById("evidence");
   if (!source) return;
-  const { criteria, families, cases, engines, cells, costs, presets, sentences, few, own, asked, others } = JSON.parse(source.textContent);
-  const DRAWS = 2000, CONCENTRATION = 30, APART = 0.99, EQUAL = 1e-12;
-  const K = criteria.length, C = cases.length, E = engines.length;
-  const at = (k, c, e) => (k * C + c) * E + e;
-  const value = new Float64Array(K * C * E), low = value.slice(), high = value.slice(), has = new Uint8Array(K * C), bounded = new Uint8Array(K * C * E);
-  for (const [k, c, e, middle, below, above, bound] of cells) {
-    bounded[at(k, c, e)] = bound;
-    value[at(k, c, e)] = middle;
-    low[at(k, c, e)] = below;
-    high[at(k, c, e)] = above;
-    has[k * C + c] = 1;
-  }
+  const { draws, seed, doubt, decades, clear, few, sentences, purposes } = JSON.parse(source.textContent);
+  const EQUAL = 1e-12, NOTHING = "expresses none of the scenes";
 
-  // The same numbers for the same wishes: a small generator of a fixed seed (mulberry32).
-  const generator = (seed) => () => {
-    seed = (seed + 0x6d2b79f5) | 0;
-    let t = Math.imul(seed ^ (seed >>> 15), 1 | seed);
+  // The generator of rank.py (mulberry32), each number in the same order.
+  const generator = (state) => () => {
+    state = (state + 0x6d2b79f5) | 0;
+    let t = Math.imul(state ^ (state >>> 15), 1 | state);
     t = (t + Math.imul(t ^ (t >>> 7), 61 | t)) ^ t;
     return ((t ^ (t >>> 14)) >>> 0) / 4294967296;
   };
-  const normal = (random) => Math.sqrt(-2 * Math.log(1 - random())) * Math.cos(2 * Math.PI * random());
-  // Marsaglia & Tsang (2000); below 1 by a power of a uniform number.
-  const gamma = (shape, random) => {
-    if (shape < 1) return gamma(shape + 1, random) * Math.pow(1 - random(), 1 / shape);
-    const d = shape - 1 / 3, c = 1 / Math.sqrt(9 * d);
-    for (;;) {
-      const x = normal(random), v = Math.pow(1 + c * x, 3);
-      if (v > 0 && Math.log(1 - random()) < 0.5 * x * x + d - d * v + d * Math.log(v)) return d * v;
-    }
+  const normal = (random) => {
+    const one = random(), two = random();
+    return Math.sqrt(-2 * Math.log(1 - one)) * Math.cos(2 * Math.PI * two);
   };
 
-  // sides: of each engine, whether its bounds stand for all that they leave open (1) or for no more than they show (0).
-  const scores = (left, weightsOfCases, weights, within, sides) => {
-    const totals = new Float64Array(E);
+  // What the reader wishes: of one purpose, its weights and those of families and requirements.
+  const wish = { purpose: purposes[0], weights: [...purposes[0].weights], families: {}, realtime: 0, feature: "" };
+  const weightOf = (one) => one.weight * (wish.families[one.family] ?? 1);
+  const useful = (times) => (times > 0 && Number.isFinite(times) ? Math.min(1, Math.max(0, 1 - Math.log10(times) / decades)) : 0);
+
+  // What is known of the engines left in the cases that count: values, low and high ends by criterion, case and engine.
+  const table = (left) => {
+    const { criteria, cases, cells } = wish.purpose;
+    const ks = criteria.map((_, k) => k).filter((k) => wish.weights[k] > 0 && cells.some((cell) => cell[0] === k));
+    const cs = cases.map((_, c) => c).filter((c) => weightOf(cases[c]) > 0);
+    const at = (k, c, e) => (k * cs.length + c) * left.length + e, size = ks.length * cs.length * left.length;
+    const value = new Float64Array(size), low = new Float64Array(size), high = new Float64Array(size);
+    const has = new Uint8Array(ks.length * cs.length), fastest = new Map();
+    for (const [k, c, e, times] of cells)
+      if (criteria[k] === "speed" && left.includes(e)) fastest.set(c, Math.max(times, fastest.get(c) ?? 0));
+    for (const [k, c, e, ...figures] of cells) {
+      const i = ks.indexOf(k), j = cs.indexOf(c), n = left.indexOf(e);
+      if (i < 0 || j < 0 || n < 0 || (criteria[k] === "speed" && !fastest.get(c))) continue;
+      const known = criteria[k] === "speed" ? figures.slice(0, 3).map((times) => useful(fastest.get(c) / times)) : figures;
+      [value[at(i, j, n)], low[at(i, j, n)], high[at(i, j, n)]] = known;
+      has[i * cs.length + j] = 1;
+    }
+    return { ks, cs, at, value, low, high, has };
+  };
+
+  const scores = (left, { ks, cs, at, has }, value, ofCases, weights) => {
+    const totals = new Float64Array(left.length);
     let whole = 0;
-    for (let k = 0; k < K; k++) {
+    for (let k = 0; k < ks.length; k++) {
       let sum = 0;
-      const means = new Float64Array(E);
-      for (let c = 0; c < C; c++) {
-        if (!has[k * C + c] || !weightsOfCases[c]) continue;
-        sum += weightsOfCases[c];
-        for (const e of left) {
-          const i = at(k, c, e), up = within ? (bounded[i] ? sides[e] * 2 - 1 : within[c * E + e]) : 0;
-          means[e] += weightsOfCases[c] * (value[i] + (up > 0 ? up * (high[i] - value[i]) : up * (value[i] - low[i])));
+      const means = new Float64Array(left.length);
+      for (let c = 0; c < cs.length; c++) {
+        if (!has[k * cs.length + c] || !ofCases[c]) continue;
+        sum += ofCases[c];
+        for (let e = 0; e < left.length; e++) means[e] += ofCases[c] * value[at(k, c, e)];
+      }
+      if (sum <= 0) continue;
+      whole += weights[k];
+      for (let e = 0; e < left.length; e++) totals[e] += (weights[k] * means[e]) / sum;
+    }
+    return totals.map((total) => (whole > 0 ? total / whole : 0));
+  };
+
+  const rank = (left) => {
+    const known = table(left), { ks, cs, at, value, low, high } = known;
+    if (!ks.length || !cs.length) return { places: [], known };
+    const ofCases = cs.map((c) => weightOf(wish.purpose.cases[c])), weights = ks.map((k) => wish.weights[k]);
+    const middle = scores(left, known, value, ofCases, weights), first = left.map(() => 0), random = generator(seed);
+    const count = cs.length, drawn = new Float64Array(count), moved = value.slice();
+    for (let n = 0; n < draws; n++) {
+      drawn.fill(0);
+      for (let c = 0; c < Math.max(count - 1, 1); c++) drawn[Math.floor(random() * count)] += 1;
+      for (let c = 0; c < count; c++) {
+        drawn[c] *= ofCases[c];
+        for (let e = 0; e < left.length; e++) {
+          const up = Math.max(-1, Math.min(1, normal(random) / 1.96));
+          for (let k = 0; k < ks.length; k++) {
+            const i = at(k, c, e);
+            moved[i] = value[i] + (up > 0 ? up * (high[i] - value[i]) : up * (value[i] - low[i]));
+          }
         }
       }
-      if (sum <= 0 || weights[k] <= 0) continue;
-      whole += weights[k];
-      for (const e of left) totals[e] += (weights[k] * means[e]) / sum;
+      const mixed = weights.map((weight) => weight * Math.exp(doubt * normal(random)));
+      const found = scores(left, known, moved, drawn, mixed), best = Math.max(...found);
+      const leaders = found.filter((s) => s >= best - EQUAL).length;
+      found.forEach((s, a) => s >= best - EQUAL && (first[a] += 1 / leaders / draws));
     }
-    return left.map((e) => (whole > 0 ? totals[e] / whole : 0));
+    const names = left.map((e) => wish.purpose.engines[e].name);
+    const order = left.map((_, a) => a).sort((a, b) => first[b] - first[a] || middle[b] - middle[a] || (names[a] < names[b] ? -1 : 1));
+    return { places: order.map((a) => ({ engine: left[a], column: a, score: middle[a], first: first[a] })), known };
   };
-
-  // What the reader wishes.
-  const wish = { weights: criteria.map(() => 1), families: Object.fromEntries(families.map((f) => [f.name, 1])), preset: null, realtime: 0, feature: "" };
-  const weightOfCase = (c) => (wish.preset ? wish.preset.cases[cases[c].name] : 1) * wish.families[cases[c].family];
 
   // Is there a scene among those that count which an engine can express?
-  const capability = criteria.indexOf("capability");
   const expresses = (e) => {
-    const known = capability < 0 ? [] : cases.map((_, c) => c).filter((c) => weightOfCase(c) > 0 && has[capability * C + c]);
-    return !known.length || known.some((c) => value[at(capability, c, e)] > 0);
+    const { criteria, cases, cells } = wish.purpose, capability = criteria.indexOf("capability");
+    const told = cells.filter(([k, c, of]) => k === capability && of === e && weightOf(cases[c]) > 0);
+    return !told.length || told.some((cell) => cell[3] > 0);
   };
 
-  const NOTHING = "expresses none of the scenes";
   const leftOut = () => {
-    const reasons = new Map(), open = new Map();
+    const reasons = new Map(), open = new Map(), { criteria, engines, cases, cells } = wish.purpose;
     engines.forEach((engine, e) => {
       if (wish.feature && !engine.features.includes(wish.feature)) reasons.set(e, `does not claim ${wish.feature.replaceAll("_", " ")}`);
       else if (!expresses(e)) reasons.set(e, NOTHING);
     });
-    if (wish.realtime > 0) {
-      for (const [c, e, cost, bound] of costs) {
-        if (reasons.has(e) || weightOfCase(c) <= 0) continue;
-        if (cost === null) reasons.set(e, `does not come to the error asked for in ${cases[c].title}`);
-        else if (cost * wish.realtime > 1 && bound) open.has(e) || open.set(e, `${(1 / cost).toPrecision(3)} times real time or more in ${cases[c].title}`);
-        else if (cost * wish.realtime > 1) reasons.set(e, `${(1 / cost).toPrecision(3)} times real time in ${cases[c].title}`);
-      }
+    for (const [k, c, e, times, , , bound] of wish.realtime > 0 ? cells : []) {
+      if (criteria[k] !== "speed" || reasons.has(e) || weightOf(cases[c]) <= 0 || times >= wish.realtime) continue;
+      const words = times ? `${Number(times.toPrecision(3))} times real time in ${cases[c].title}` : `no run passes its checks in ${cases[c].title}`;
+      if (bound) open.has(e) || open.set(e, `${words}, and no larger step was run`);
+      else reasons.set(e, words);
     }
     return { reasons, open };
   };
 
-  const rank = (left) => {
-    const weights = wish.weights, ofCases = cases.map((_, c) => weightOfCase(c));
-    const middle = scores(left, ofCases, weights, null, null);
-    const first = left.map(() => 0), ahead = left.map(() => left.map(() => 0));
-    const random = generator(1), total = weights.reduce((a, b) => a + b, 0) || 1;
-    const drawn = new Float64Array(C), within = new Float64Array(C * E), mixed = new Float64Array(K), sides = new Uint8Array(E);
-    for (let n = 0; n < DRAWS; n++) {
-      drawn.fill(0);
-      for (let c = 0; c < Math.max(C - 1, 1); c++) drawn[Math.floor(random() * C)] += 1;
-      for (let c = 0; c < C; c++) drawn[c] *= ofCases[c];
-      for (let i = 0; i < C * E; i++) within[i] = Math.max(-1, Math.min(1, normal(random) / 1.96));
-      for (let e = 0; e < E; e++) sides[e] = random() < 0.5 ? 0 : 1;
-      for (let k = 0; k < K; k++) mixed[k] = weights[k] > 0 ? gamma((CONCENTRATION * weights[k]) / total, random) : 0;
-      const found = scores(left, drawn, mixed, within, sides), best = Math.max(...found);
-      const leaders = found.filter((s) => s >= best - EQUAL).length;
-      found.forEach((s, a) => {
-        if (s >= best - EQUAL) first[a] += 1 / leaders / DRAWS;
-        found.forEach((other, b) => (ahead[a][b] += (s - other > EQUAL ? 1 : Math.abs(s - other) <= EQUAL ? 0.5 : 0) / DRAWS));
-      });
-    }
-    const order = left.map((_, a) => a).sort((a, b) => first[b] - first[a] || middle[b] - middle[a]);
-    const numbers = new Map();
-    let number = 1;
-    order.forEach((a, place) => {
-      const apart = order.slice(0, place).every((before) => order.slice(place).every((after) => ahead[before][after] >= APART));
-      if (place && apart) number = place + 1;
-      numbers.set(a, number);
-    });
-    return order.map((a) => ({ engine: left[a], number: numbers.get(a), score: middle[a], first: first[a] }));
-  };
-
-  const meanOf = (k, e) => {
+  const meanOf = ({ ks, cs, at, value, has }, criterion, column) => {
+    const k = ks.findIndex((of) => wish.purpose.criteria[of] === criterion);
     let sum = 0, whole = 0;
-    for (let c = 0; c < C; c++) {
-      const weight = weightOfCase(c) * has[k * C + c];
-      sum += weight * value[at(k, c, e)];
+    for (let c = 0; k >= 0 && c < cs.length; c++) {
+      const weight = weightOf(wish.purpose.cases[cs[c]]) * has[k * cs.length + c];
+      sum += weight * (weight ? value[at(k, c, column)] : 0);
       whole += weight;
     }
-    return whole > 0 ? (sum / whole).toFixed(2) : "–";
+    return whole > 0 ? (sum / whole).toFixed(2) : "\u2013";
   };
 
-  const percent = (share) => `${Math.round(100 * share)} %`;
+  const percent = (share) => `${Math.floor(100 * share + 0.5)} %`;
   const filled = (name, values) => sentences[name].replace(/\{(\w+)\}/g, (_, key) => values[key]);
-  const listed = (names) => (names.length > 1 ? `${names.slice(0, -1).join(", ")} and ${names.at(-1)}` : names[0]);
 
   // The first sentence, as `headline` of harness/findings/selection/words.py has it, in the same words.
-  const headline = (places, reasons) => {
-    const counted = cases.map((_, c) => c).filter((c) => weightOfCase(c) > 0), titled = (place) => engines[place.engine].title;
-    const told = criteria.some((_, k) => wish.weights[k] > 0 && counted.some((c) => has[k * C + c]));
-    if (!places.length || !told) return filled(reasons.size || others ? "none" : "unknown", {});
+  const headline = (places, known, reasons) => {
+    const { cases, engines, asked, others } = wish.purpose, titled = (place) => engines[place.engine].title;
+    const counted = cases.filter((one) => weightOf(one) > 0);
+    if (!places.length || !known.has.some((one) => one)) return filled(reasons.size || others ? "none" : "unknown", {});
     const scenes = counted.length === 1 ? "this scene" : "these scenes";
     if (places.length === 1) {
       const all = !others && [...reasons.values()].every((why) => why === NOTHING);
       return filled(asked === 1 ? "single" : all ? "expresses" : "left", { engine: titled(places[0]), scenes, asked });
     }
-    const level = places.filter((place) => place.number === 1), share = percent(level[0].first);
-    const shares = level.map((place) => `${titled(place)} ${percent(place.first)}`).join(", ");
-    const first = filled(level.length === 1 ? "first" : "level", { engine: titled(level[0]), engines: listed(level.map(titled)), share, shares, draws: DRAWS });
-    if (counted.length >= few || counted.every((c) => own.includes(c))) return first;
-    return `${first} ${filled("few", { cases: `${counted.length} case${counted.length === 1 ? "" : "s"}` })}`;
+    const [first, ...rest] = places, told = rest.map((place) => `${titled(place)} in ${percent(place.first)}`).join(", ");
+    const values = { engine: titled(first), share: percent(first.first), second: titled(rest[0]), others: told };
+    const sentence = filled(first.first > clear ? "first" : "open", values);
+    if (counted.length >= few || counted.every((one) => one.own)) return sentence;
+    return `${sentence} ${filled("few", { cases: `${counted.length} case${counted.length === 1 ? "" : "s"}` })}`;
   };
 
   const show = () => {
-    const { reasons, open } = leftOut(), left = engines.map((_, e) => e).filter((e) => !reasons.has(e));
-    const out = [...reasons].map(([e, why]) => (why === NOTHING ? filled("expressed", { engine: engines[e].title }) : `${engines[e].title} is left out: ${why}.`));
+    const { engines } = wish.purpose, { reasons, open } = leftOut(), left = engines.map((_, e) => e).filter((e) => !reasons.has(e));
+    const out = [...reasons].map(([e, why]) => (why === NOTHING ? filled("expressed", { engine: engines[e].title }) : `${engines[e].title} is excluded: ${why}.`));
     for (const [e, what] of open) if (!reasons.has(e)) out.push(`Of ${engines[e].title} it is not known: ${what}.`);
     document.getElementById("left-out").textContent = out.join(" ");
-    document.getElementById("why").textContent = wish.preset ? `${wish.preset.title}: ${wish.preset.why}` : "";
-    const places = left.length ? rank(left) : [];
-    document.getElementById("headline").textContent = headline(places, reasons).replaceAll(" %", "\u00a0%");
+    document.getElementById("why").textContent = wish.purpose.name ? `${wish.purpose.title}: ${wish.purpose.why}` : "";
+    const { places, known } = left.length ? rank(left) : { places: [], known: { has: [] } };
+    document.getElementById("headline").textContent = headline(places, known, reasons).replaceAll(" %", "\u00a0%");
     const body = document.querySelector("#places tbody"), rows = new Map([...body.rows].map((row) => [row.dataset.engine, row]));
+    const columns = [...document.querySelectorAll("#places th[data-criterion]")].map((head) => head.dataset.criterion);
     for (const row of rows.values()) row.hidden = true;
-    for (const place of places) {
-      const row = rows.get(engines[place.engine].name);
+    places.forEach((place, at) => {
+      const { name, setting, typical } = engines[place.engine], row = rows.get(name);
       row.hidden = false;
-      row.cells[0].textContent = place.number;
-      row.cells[3].textContent = places.length > 1 ? percent(place.first) : "–";
-      row.cells[4].textContent = place.score.toFixed(2);
-      criteria.forEach((_, k) => (row.cells[5 + k].textContent = meanOf(k, place.engine)));
+      const cells = [at + 1, null, setting, places.length > 1 ? percent(place.first) : "\u2013", ...typical.map((figure) => figure || "\u2013"), place.score.toFixed(2)];
+      cells.push(...columns.map((criterion) => meanOf(known, criterion, place.column)));
+      cells.forEach((text, cell) => text !== null && (row.cells[cell].textContent = text));
       body.append(row);
-    }
+    });
     // What was said of equal weights holds of these alone.
     document.getElementById("turns").hidden = touched;
   };
@@ -207,32 +203,36 @@
     return { input, output };
   };
 
-  const purposes = grouped("For");
+  const everything = purposes[0], chosen = grouped("For");
   const preset = document.createElement("select");
-  preset.append(new Option("everything alike", ""));
-  for (const one of presets.filter((p) => cases.some((c) => p.cases[c.name] > 0))) preset.append(new Option(one.title, one.name));
-  labelled("purpose", preset, purposes);
+  for (const one of purposes) preset.append(new Option(one.title, one.name));
+  labelled("purpose", preset, chosen);
   const feature = document.createElement("select");
   feature.append(new Option("any", ""));
-  for (const name of [...new Set(engines.flatMap((e) => e.features))].sort()) feature.append(new Option(name.replaceAll("_", " "), name));
-  labelled("has to have", feature, purposes);
+  for (const name of [...new Set(everything.engines.flatMap((e) => e.features))].sort()) feature.append(new Option(name.replaceAll("_", " "), name));
+  labelled("has to have", feature, chosen);
   const realtime = document.createElement("input");
   Object.assign(realtime, { type: "number", min: 0, step: 1, value: 0 });
-  labelled("times real time, at least", realtime, purposes);
+  labelled("times real time, at least", realtime, chosen);
 
   const byCriterion = grouped("What counts");
-  const sliders = criteria.map((name, k) => slider(name, byCriterion, (x) => (wish.weights[k] = x)));
+  const setWeight = (name, x) => {
+    const k = wish.purpose.criteria.indexOf(name);
+    if (k >= 0) wish.weights[k] = x;
+  };
+  const sliders = everything.criteria.map((name) => ({ name, ...slider(name, byCriterion, (x) => setWeight(name, x)) }));
   const byFamily = grouped("Which cases count");
-  for (const family of families) slider(family.title, byFamily, (x) => (wish.families[family.name] = x));
+  for (const family of everything.families) slider(family.title, byFamily, (x) => (wish.families[family.name] = x));
 
-  preset.addEventListener("change", () => {
-    wish.preset = presets.find((one) => one.name === preset.value) ?? null;
-    criteria.forEach((name, k) => {
-      wish.weights[k] = wish.preset ? wish.preset.weights[name] : 1;
-      sliders[k].input.value = sliders[k].output.textContent = wish.weights[k];
-    });
+  const choose = (name) => {
+    wish.purpose = purposes.find((one) => one.name === name) ?? everything;
+    preset.value = wish.purpose.name;
+    wish.weights = [...wish.purpose.weights];
+    for (const { name: criterion, input, output } of sliders)
+      input.value = output.textContent = wish.weights[wish.purpose.criteria.indexOf(criterion)] ?? 0;
     changed();
-  });
+  };
+  preset.addEventListener("change", () => choose(preset.value));
   feature.addEventListener("change", () => {
     wish.feature = feature.value;
     changed();
@@ -241,4 +241,6 @@
     wish.realtime = Math.max(0, Number(realtime.value) || 0);
     changed();
   });
+  const asked = new URLSearchParams(location.search).get("for");
+  if (purposes.some((one) => one.name && one.name === asked)) choose(asked);
 })();

@@ -1,7 +1,7 @@
 """Engines side by side: what each passed, what it cost and how large its errors were, on cases that all answered.
 
 There is one scale for all tracks: what tuning does to an engine is the step from one number to the other. What people can
-deploy is ranked among itself. Our own engine is the yardstick: it stands beside them on their scale.
+deploy is ranked among itself. The reference engine stands beside them on their scale.
 """
 
 from collections.abc import Collection, Mapping

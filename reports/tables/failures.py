@@ -78,7 +78,7 @@ def _what(cause: Cause) -> str:
     if cause.finding is not None:
         return cause.finding.cause or cause.finding.title
     if cause.by == "effect":
-        return f"{join_words(effect.replace('_', ' ') for effect in cause.effects)} against the scene's word"
+        return f"{join_words(effect.replace('_', ' ') for effect in cause.effects)}, not as the scene asks"
     if cause.by == "emulated":
         return f"laws that the adapter makes ({join_words(feature.replace('_', ' ') for feature in cause.features)})"
     return "no declared cause,"

@@ -4,7 +4,10 @@ from collections.abc import Mapping
 from functools import lru_cache
 
 from plumbline.harness.findings.agreement import Agreement, agreements, omission_words, omissions
-from plumbline.harness.findings.agreement.words import scene_words, side_words
+from plumbline.harness.findings.agreement.happened import end_words, happened_words, happenings
+from plumbline.harness.findings.agreement.setting_causes import cause_words, settings_turned
+from plumbline.harness.findings.agreement.words import present_words, scene_words, side_words
+from plumbline.harness.findings.recorded_robot import joint_errors, recorded_words
 from plumbline.harness.store.store import Store
 from plumbline.reports.words.catalogue import engines
 from plumbline.reports.words.status import FINITE, VERDICTS, Outcome, outcome
@@ -40,7 +43,12 @@ def summary(store: Store, case: str) -> list[str]:
         for agreement in by_case(store).get(case, ())
         for sentence in (
             *scene_words(agreement, titles(store)),
+            *happened_words(happenings(store, agreement), agreement, titles(store)),
+            *cause_words(settings_turned(store, agreement), agreement, titles(store)),
+            *present_words(agreement, titles(store)),
+            *end_words(happenings(store, agreement), store, agreement, titles(store)),
             *omission_words(omissions(store, agreement), titles(store)),
+            *recorded_words([each for each in joint_errors(store) if each.case == case], titles(store)),
         )
     ]
 

@@ -1,4 +1,4 @@
-"""Where our own engine errs least, and the reason that is given for it: the yardstick is asked before it is believed."""
+"""Where the reference engine errs least, and the declared reason for it."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

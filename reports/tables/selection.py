@@ -1,4 +1,5 @@
-"""What the page on selection shows: the answer at equal weights, and the evidence from which a browser works it out anew."""
+"""What the first page and the page on selection show: the answer for each purpose, and the evidence from which a browser works
+it out anew."""
 
 import json
 from collections.abc import Callable, Mapping
@@ -11,26 +12,26 @@ from markupsafe import Markup
 
 from plumbline.harness.findings.selection import CRITERIA, Answer, Wish, choose, preset_names, read_preset
 from plumbline.harness.findings.selection.choose import EXPRESSED
-from plumbline.harness.findings.selection.evidence import BOUND, Datum
-from plumbline.harness.findings.selection.words import FEW, SENTENCES, headline
+from plumbline.harness.findings.selection.evidence import DECADES_OF_SPEED, Datum
+from plumbline.harness.findings.selection.rank import DOUBT_OF_WEIGHTS, DRAWS, SEED, Place
+from plumbline.harness.findings.selection.words import CLEAR, FEW, SENTENCES, decisive, error_percent, percent, trade, who_leads
 from plumbline.harness.store.store import Store
 from plumbline.reports.tables.own_scenes import by_case
-from plumbline.reports.tables.realtime_speed import Pace, pace_of
 from plumbline.reports.tables.trial_results import stepless
 from plumbline.reports.words.catalogue import FAMILIES, cases, engine_title, setting_words
-from plumbline.reports.words.text import settings_text, slug
+from plumbline.reports.words.text import TIMES, amount, settings_text, slug
 
 
 @lru_cache(maxsize=1)
 def answer(store: Store) -> Answer:
-    """At equal weights, over all cases, without our own engine."""
+    """At equal weights, over all cases, without the reference engine."""
     return choose(store, Wish())
 
 
 def asked_of_several(store: Store) -> bool:
     """Were two engines of others asked at least, and is one left? That nothing else can express a scene is an answer too."""
-    found = answer(store)
-    return found.rank is not None and found.asked > 1
+    chosen = answer(store)
+    return chosen.rank is not None and chosen.asked > 1
 
 
 def evidence_rows(store: Store) -> list[tuple[tuple[str, str, str], Datum]]:
@@ -38,87 +39,53 @@ def evidence_rows(store: Store) -> list[tuple[tuple[str, str, str], Datum]]:
     return sorted(answer(store).evidence.table.items(), key=lambda row: (row[1].value, *row[0]))
 
 
-def live(store: Store) -> Markup:
-    """The same as JSON for the page's script; '<' is written so that nothing in it can end the element."""
-    found = answer(store)
-    evidence = found.evidence
-    about, known = store.catalogue.get("engines", {}), cases(store)
-    names, engines = list(evidence.cases), list(evidence.engines)
-    criteria = [name for name in CRITERIA if any(key[0] == name for key in evidence.table)]
-    families = list(dict.fromkeys(evidence.families[case] for case in names))
-    content = {
-        "criteria": criteria,
-        "families": [{"name": family, "title": FAMILIES.get(family, family)} for family in families],
-        "cases": [{"name": name, "title": known[name]["title"], "family": evidence.families[name]} for name in names],
-        "engines": [
-            {
-                "name": name,
-                "title": engine_title(store, name),
-                "track": setting_words(store, name, evidence.tracks[name]),
-                "features": list(about.get(name, {}).get("features", ())),
-            }
-            for name in engines
-        ],
-        "cells": [
-            [
-                criteria.index(criterion),
-                names.index(case),
-                engines.index(engine),
-                _short(d.value),
-                _short(d.low),
-                _short(d.high),
-                int(d.bounded),
-            ]
-            for (criterion, case, engine), d in evidence.table.items()
-        ],
-        "costs": [
-            [names.index(case), engines.index(engine), price.cost, int(price.verdict == BOUND)]
-            for (case, engine), price in evidence.costs.items()
-        ],
-        "presets": [_preset(name, evidence.families) for name in preset_names()],
-        "sentences": dict(SENTENCES),
-        "few": FEW,
-        "own": [names.index(case) for case in names if case in evidence.own],
-        "asked": found.asked,
-        "others": any(drop.requirement != EXPRESSED for drop in found.dropped),
-    }
-    return Markup(json.dumps(content, separators=(",", ":")).replace("<", "\\u003c").replace("&", "\\u0026"))
-
-
 @dataclass(frozen=True)
-class Choice:
-    """An engine that stands first, alone or level. Terms: setting: its track, or what a search went on to, in
-    words; settings: what that means. slowest, fastest: over the
-    cases of the purpose, None where none of its trials there is clocked and errs by a per cent or less. paced: in how many."""
+class Standing:
+    """An engine in the answer for a purpose. Terms: first: the share of resamples in which it leads, None where there is no
+    contest; share: the same in words; leads: is it named alone? speed, error: of the typical case, in words; setting: its track
+    in words, settings: what that means."""
 
     engine: str
+    number: int
+    first: float | None
+    share: str
+    leads: bool
+    speed: str
+    error: str
     track: str
     setting: str
     settings: str
-    slowest: Pace | None
-    fastest: Pace | None
-    paced: int
 
 
 @dataclass(frozen=True)
 class Need:
-    """A purpose in the shortest: what it is, the answer with its doubt, who stands first with which settings and at which cost,
-    on how many cases. own: is it a scene of the user's own, and nothing else?"""
+    """A purpose in the shortest: the answer in a sentence, each engine's standing, what the first two trade, and what would
+    decide it, with its command. error: asked for, in words. own: is it a scene of the user's own, and nothing else?"""
 
     name: str
     title: str
     why: str
     answer: str
-    choices: tuple[Choice, ...]
+    trade: str
+    decisive: str
+    command: str
+    standings: Mapping[str, Standing]
     cases: int
+    error: str
     own: bool = False
 
 
-OWN = (
-    "All that this scene was asked counts alike: who ends where the others do, what a per cent of error costs, who ends at all."
-)
+OWN = "All that this scene was asked counts alike: who ends where the others do, how fast, and who ends at all."
 FEWEST = 3
 """Cases of a purpose below which nothing is said of it."""
+
+
+@lru_cache(maxsize=1)
+def answers_by_purpose(store: Store) -> Mapping[str, Answer]:
+    """Of each built-in purpose of which the run has cases enough."""
+    listed = sorted(preset_names(), key=lambda name: read_preset(name).order)
+    chosen = {name: choose(store, read_preset(name).wish()) for name in listed}
+    return {name: a for name, a in chosen.items() if a.rank is not None and len(a.evidence.cases) >= FEWEST}
 
 
 @lru_cache(maxsize=1)
@@ -126,40 +93,58 @@ def needs(store: Store) -> list[Need]:
     """The scenes of the user's own, and the built-in purposes of which the run has cases enough."""
     if not asked_of_several(store):
         return []
-    titled, found = partial(engine_title, store), []
-    for name in preset_names():
-        preset = read_preset(name)
-        answer = choose(store, preset.wish(), draws=2000)
-        if answer.rank is None or len(answer.evidence.cases) < FEWEST:
-            continue
-        first = tuple(_choice(store, answer, place.engine) for place in answer.rank.places if place.number == 1)
-        found.append(Need(name, preset.title, preset.why, headline(answer, titled), first, len(answer.evidence.cases)))
-    return [*(own for case in by_case(store) if (own := _own_need(store, case, titled)) is not None), *found]
+    own = [_own_need(store, case) for case in by_case(store)]
+    presets = ((name, read_preset(name), chosen) for name, chosen in answers_by_purpose(store).items())
+    return [
+        *(need for need in own if need is not None),
+        *(_need(store, name, preset.title, preset.why, chosen) for name, preset, chosen in presets),
+    ]
 
 
-def _own_need(store: Store, case: str, titled: Callable[[str], str]) -> Need | None:
+def _own_need(store: Store, case: str) -> Need | None:
     """The purpose of a scene of the user's own: itself. Where nothing else was run, its answer is that of all cases."""
     whole = answer(store)
-    mine = whole if whole.evidence.cases.keys() == {case} else choose(store, Wish(cases={escape(case): 1.0}), draws=2000)
-    if mine.rank is None:
-        return None
-    first = tuple(_choice(store, mine, place.engine) for place in mine.rank.places if place.number == 1)
-    return Need(slug(case), str(cases(store)[case]["title"]), OWN, headline(mine, titled), first, 1, own=True)
+    mine = whole if whole.evidence.cases.keys() == {case} else choose(store, Wish(cases={escape(case): 1.0}))
+    return None if mine.rank is None else _need(store, slug(case), str(cases(store)[case]["title"]), OWN, mine, own=True)
 
 
-def _choice(store: Store, answer: Answer, engine: str) -> Choice:
-    track = answer.evidence.tracks[engine]
-    settings = _settings(store, engine, track)
-    known = [pace for case in answer.evidence.cases if (pace := pace_of(store, case, engine, track)) is not None]
-    paces = sorted(known, key=lambda pace: pace.times)
-    return Choice(
-        engine,
-        track,
-        setting_words(store, engine, track),
-        settings,
-        paces[0] if paces else None,
-        paces[-1] if paces else None,
-        len(paces),
+def _need(store: Store, name: str, title: str, why: str, chosen: Answer, *, own: bool = False) -> Need:
+    titled: Callable[[str], str] = partial(engine_title, store)
+    what, command = decisive(chosen, titled, lambda case: str(cases(store)[case]["title"]))
+    return Need(
+        name=name,
+        title=title,
+        why=why,
+        answer=who_leads(chosen, titled),
+        trade=trade(chosen, titled),
+        decisive=what,
+        command=command,
+        standings={entry.engine: standing for standing, entry in standings(store, chosen)},
+        cases=len(chosen.evidence.cases),
+        error=f"{amount(100 * chosen.wish.max_error)} %",
+        own=own,
+    )
+
+
+def standings(store: Store, chosen: Answer) -> list[tuple[Standing, Place]]:
+    """The engines of an answer, best first."""
+    return [(_standing(store, chosen, entry), entry) for entry in (chosen.rank.places if chosen.rank is not None else ())]
+
+
+def _standing(store: Store, chosen: Answer, entry: Place) -> Standing:
+    track = chosen.evidence.tracks[entry.engine]
+    speed, error = (chosen.evidence.typical(name, entry.engine) for name in ("speed", "accuracy"))
+    return Standing(
+        engine=entry.engine,
+        number=entry.number,
+        first=None if chosen.alone else entry.first,
+        share="" if chosen.alone else percent(entry.first),
+        leads=bool(chosen.alone) or entry.first > CLEAR,
+        speed="" if speed is None else f"{amount(speed, 2)}{TIMES}",
+        error="" if error is None else error_percent(error),
+        track=track,
+        setting=setting_words(store, entry.engine, track),
+        settings=_settings(store, entry.engine, track),
     )
 
 
@@ -172,17 +157,66 @@ def _settings(store: Store, engine: str, track: str) -> str:
     return settings_text(stepless(str(texts.iloc[0]))) if len(texts) else ""
 
 
-def _short(value: float) -> float:
-    return float(f"{value:.4g}")
+def live(store: Store) -> Markup:
+    """The evidence for each purpose as JSON for the page's script; '<' is written so that nothing in it can end the element."""
+    content = {
+        "draws": DRAWS,
+        "seed": SEED,
+        "doubt": DOUBT_OF_WEIGHTS,
+        "decades": DECADES_OF_SPEED,
+        "clear": CLEAR,
+        "few": FEW,
+        "sentences": dict(SENTENCES),
+        "purposes": [
+            _purpose(store, "", "everything alike", "", Wish(), answer(store)),
+            *(
+                _purpose(store, name, preset.title, preset.why, preset.wish(), chosen)
+                for name, chosen in answers_by_purpose(store).items()
+                for preset in (read_preset(name),)
+            ),
+        ],
+    }
+    return Markup(json.dumps(content, separators=(",", ":")).replace("<", "\\u003c").replace("&", "\\u0026"))
 
 
-def _preset(name: str, families: Mapping[str, str]) -> dict[str, Any]:
-    preset = read_preset(name)
-    wish = preset.wish()
+def _purpose(store: Store, name: str, title: str, why: str, wish: Wish, chosen: Answer) -> dict[str, Any]:
+    """What is known for one purpose. cells: criterion, case and engine by number, with value, low and high; of a speed these
+    are times real time, and 1 after them if it is a bound. A speed of 0 is of no use."""
+    evidence = chosen.evidence
+    about, known = store.catalogue.get("engines", {}), cases(store)
+    names, engines = list(evidence.cases), list(evidence.engines)
+    criteria = [criterion for criterion in CRITERIA if any(key[0] == criterion for key in evidence.table)]
+    families = list(dict.fromkeys(evidence.families[case] for case in names))
+    typical = {standing.engine: [standing.speed, standing.error] for standing, _ in standings(store, chosen)}
+    cells: list[list[float | int]] = []
+    for (criterion, case, engine), datum in evidence.table.items():
+        values = [datum.value, datum.low, datum.high]
+        if criterion == "speed":
+            speed = evidence.speeds.get((case, engine))
+            values = [0, 0, 0, 0] if speed is None else [speed.times, speed.low, speed.high, int(speed.bound)]
+        cells.append([criteria.index(criterion), names.index(case), engines.index(engine), *values])
     return {
         "name": name,
-        "title": preset.title,
-        "why": preset.why,
-        "weights": {criterion: wish.weight(criterion) for criterion in CRITERIA},
-        "cases": {case: wish.weight_of_case(case, family) for case, family in families.items()},
+        "title": title,
+        "why": why,
+        "criteria": criteria,
+        "weights": [wish.weight(criterion) for criterion in criteria],
+        "families": [{"name": family, "title": FAMILIES.get(family, family)} for family in families],
+        "cases": [
+            {"title": known[case]["title"], "family": evidence.families[case], "weight": weight, "own": case in evidence.own}
+            for case, weight in evidence.cases.items()
+        ],
+        "engines": [
+            {
+                "name": engine,
+                "title": engine_title(store, engine),
+                "setting": setting_words(store, engine, evidence.tracks[engine]),
+                "features": list(about.get(engine, {}).get("features", ())),
+                "typical": typical.get(engine, ["", ""]),
+            }
+            for engine in engines
+        ],
+        "cells": cells,
+        "asked": chosen.asked,
+        "others": any(drop.requirement != EXPRESSED for drop in chosen.dropped),
     }

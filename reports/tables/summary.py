@@ -80,7 +80,7 @@ def farthest(store: Store) -> str:
 
 
 def leading(store: Store) -> list[str]:
-    """In how many cases our own engine errs least, and by what: nobody should take the ruler for a contestant."""
+    """In how many cases the reference engine errs least, and by what."""
     by_track: dict[str, Counter[str]] = {}
     for lead in leads(store).values():
         by_track.setdefault(lead.track, Counter())[lead.by] += 1
@@ -126,7 +126,7 @@ def leaders(store: Store, seen: list[Glance]) -> list[str]:
         names = join_words(titles[glance.engine] for glance in first)
         rest = "; ".join(f"{titles[glance.engine]} {glance.held}/{glance.asked}" for glance in order[len(first) :])
         written.append(
-            f"On the {track} track {names} {'passes' if len(first) == 1 else 'pass'} most cases at their own step: "
+            f"On the {track} track {names} {'passes' if len(first) == 1 else 'pass'} most cases at their nominal time step: "
             f"{first[0].held} of {first[0].asked}{' each' if len(first) > 1 else ''}"
             f"{f' ({rest})' if rest else ''}."
         )
@@ -242,7 +242,7 @@ def more(titles: list[str]) -> str:
 
 
 def ours(store: Store, cells: dict[tuple[str, str, str], Verdict]) -> list[str]:
-    """Our own engine's failures, by name: nobody should have to look for them."""
+    """The reference engine's failures, by name: nobody should have to look for them."""
     written = []
     for name, engine in engines(store).items():
         if engine["ours"] and any(of == name and track == "tuned" for _, of, track in cells):
@@ -260,7 +260,7 @@ def ours(store: Store, cells: dict[tuple[str, str, str], Verdict]) -> list[str]:
 
 
 def standing_beside(store: Store, seen: list[Glance]) -> list[str]:
-    """What our own engine comes to on the scale of those that people can deploy: a line beside them, and in no headline."""
+    """What the reference engine costs and errs on the scale of those that people can deploy: in no headline."""
     return [
         f"Beside them {engines(store)[glance.engine]['title']}, {glance.track}, takes {amount(glance.relative_cost, 2)}{TIMES} "
         f"the CPU time of the cheapest of each case, at {amount(glance.relative_error, 2)}{TIMES} the smallest error."

@@ -18,6 +18,8 @@ from plumbline.reports.words.text import TIMES, amount, unit_text
 
 DECADES = 3
 """Powers of ten beyond a bound, or within it, that the shade of a cell tells apart."""
+LEAST = 1e-3
+"""Share of a bound below which no more is said."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,16 +63,16 @@ class Verdict:
 
 
 def margin_words(margin: Margin) -> str:
-    """'34× over' of what is missed, '2 m, bound 0' where nothing is allowed, '0.3 of the bound' of what is kept."""
-    if margin.held:
-        return f"{amount(margin.times, 2)} of the bound"
+    """'34\N{MULTIPLICATION SIGN}': the value over its bound; '2 m > 0' where nothing is allowed."""
     if not math.isfinite(margin.times):
         unit = "" if margin.unit in ("", "1") else f" {unit_text(margin.unit)}"
-        told = f"{amount(margin.value, 2)}{unit}, bound {amount(margin.at_most, 2)}"
+        told = f"{amount(margin.value, 2)}{unit} {'<' if margin.at_most > margin.value else '>'} {amount(margin.at_most, 2)}"
         return told if math.isfinite(margin.value) else "no number"
-    # A margin under a per cent would read as none.
-    digits = 4 if margin.times < 1.01 else 3 if margin.times < 1.1 else 2
-    return f"{amount(float(f'{margin.times:.{digits}g}'), digits)}{TIMES} over"
+    if margin.times < LEAST:
+        return f"<{amount(LEAST)}{TIMES}"
+    # A margin just beyond the bound would read as one at it.
+    digits = 4 if 1 < margin.times < 1.01 else 3 if 1 < margin.times < 1.1 else 2
+    return f"{amount(float(f'{margin.times:.{digits}g}'), digits)}{TIMES}"
 
 
 @lru_cache(maxsize=2)

@@ -138,7 +138,7 @@ def engine_file(name: str) -> str:
 
 
 def ours(store: Store) -> list[str]:
-    """The engines that are ours: the yardstick, and no contestant."""
+    """The engines that are ours, which no ranking contains."""
     return [name for name, engine in engines(store).items() if engine["ours"]]
 
 

@@ -22,7 +22,7 @@ def test_every_action_of_a_workflow_is_pinned_by_commit_and_says_its_version() -
         for line in path.read_text().splitlines()
         if "uses:" in line
     ]
-    assert len(used) == 25
+    assert len(used) == 29
     for name, line in used:
         assert re.search(r"uses: [\w.-]+/[\w./-]+@[0-9a-f]{40} +# v\d+\.\d+\.\d+$", line), f"{name}: {line}"
 

@@ -102,7 +102,7 @@ def test_calls_are_found_where_they_stand() -> None:
     assert places.count("pull-request.yml:what-changed") == 2
     assert places.count("nightly.yml:history") == 2
     assert places.count("nightly.md") >= 3
-    assert places.count("README.md") > 30
+    assert places.count("cli.md") > 30
     nightly = next(words for place, words in CALLED if place == "nightly.yml:history")
     assert nightly == ["nightly", "--history", "history/plumbline", "--budget", "2h", "--keep", "none"]
 

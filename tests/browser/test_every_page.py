@@ -78,6 +78,13 @@ def test_every_page_of_every_study_can_be_read(
 
 
 def test_the_studies_that_are_looked_at_are_those_there_are() -> None:
-    alike = {"accuracy": "quick", "price": "quick", "nightly": "quick", "uneven_steps": "quick", "level_of_detail": "scaling"}
+    alike = {
+        "accuracy": "quick",
+        "price": "quick",
+        "nightly": "quick",
+        "uneven_steps": "quick",
+        "level_of_detail": "scaling",
+        "throughput": "scaling",
+    }
     named = {path.stem for path in (Path(study.__file__).parent / "built_in").glob("*.toml")}
     assert {alike.get(name, name) for name in named} <= set(STUDIES)

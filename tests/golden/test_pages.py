@@ -94,6 +94,7 @@ def test_a_report_of_a_fixed_store_has_exactly_these_files(texts: dict[str, str]
         "index.html",
         "concepts.html",
         "findings.html",
+        "glossary.html",
         "select.html",
         "evidence.csv",
         "method.html",

@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from plumbline.harness.findings.agreement import Agreement, Side, ways
-from plumbline.harness.findings.agreement.words import STILL, scene_words, side_sentence
+from plumbline.harness.findings.agreement import Agreement, Side, judged, ways
+from plumbline.harness.findings.agreement.words import STILL, present_words, scene_words, side_sentence
+from plumbline.harness.search.own_limits import Rung, own_limit
 from plumbline.harness.trajectory import Trajectory
-from plumbline.harness.trajectory.parting import apart
+from plumbline.harness.trajectory.parting import apart, extent
 from tests.own_limits import (
     ENGINES,
     LADDER,
@@ -111,9 +112,12 @@ def test_an_engine_with_a_wrong_inertia_is_singled_out() -> None:
     assert wrong.distance == pytest.approx(away * (1 + math.sqrt(0.064)) / found.scale.largest, rel=0.02)
     assert 0.0 < wrong.since < 0.5
     assert "converges elsewhere" in side_sentence(wrong, found, {})
-    assert "it adds" not in side_sentence(wrong, found, {})
     damped = replace(wrong, adds=("linear damping", "angular damping"))
-    assert "s; it adds linear damping and angular damping, which the scene does" in side_sentence(damped, found, {})
+    assert present_words(replace(found, sides=(damped, *found.sides[1:])), {}) == [
+        "Computed although the scene does not call for it: linear damping and angular damping on dart again tuned."
+    ]
+    # What is merely there is no cause.
+    assert "damping" not in side_sentence(damped, found, {})
 
 
 def test_two_that_agree_on_a_wrong_answer_against_two_others_are_two_camps_and_no_limit_is_agreed() -> None:
@@ -236,3 +240,47 @@ def test_what_hangs_still_is_said_to_and_what_swings_is_not() -> None:
     assert STILL in scene_words(hanging, {})
     assert not swinging.still
     assert STILL not in scene_words(swinging, {})
+
+
+def flown(power: float, size: float, elsewhere: float = 0.0) -> tuple[Rung, ...]:
+    """Runs of a ball that flies at 1 m/s and errs by size (240 h)^power m/s at steps h; its limit is `elsewhere` [m/s] off."""
+    runs = []
+    for dt in LADDER:
+        run = Trajectory.of(np.arange(61) / 60, 1)
+        run.p_WB[:, 0, 0] = (1.0 + elsewhere + size * (240 * dt) ** power) * run.time
+        runs.append(
+            Rung(dt=dt, substep=dt, trial="", status="passed", reason="", run=run, integrator="semi_implicit_euler")
+        )  # fmt: skip
+    return tuple(runs)
+
+
+def of_orders(**sides: tuple[Rung, ...]) -> Agreement:
+    scale, first = extent(ball()), {"semi_implicit_euler": 1}
+    limits = {(name, "tuned"): own_limit(scale, rungs, first) for name, rungs in sides.items()}
+    return judged(ball(), 1.0, limits, ())
+
+
+def test_an_order_above_the_integrators_own_makes_no_camp() -> None:
+    """Two of order 2.6 that end alike and elsewhere than two of order 1: without the rule, a tie."""
+    wrong = flown(2.6, 0.02, 0.01)
+    found = of_orders(a=flown(1.0, 0.01), b=flown(1.0, 0.02), c=wrong, d=wrong)
+    assert words(found) == {"a": "agrees", "b": "agrees", "c": "does not converge", "d": "does not converge"}
+    assert found.agreed == "A"
+    assert side(found, "c").camps == ()
+    assert "order 2.60, and its integrator has 1" in side_sentence(side(found, "c"), found, {})
+
+
+def test_one_that_is_too_fast_and_lies_at_the_agreed_limit_agrees_without_a_vote() -> None:
+    found = of_orders(a=flown(1.0, 0.01), b=flown(1.0, 0.02), c=flown(2.0, 0.02))
+    assert words(found) == dict.fromkeys("abc", "agrees")
+    assert not side(found, "c").votes
+    assert side(found, "c").distance == pytest.approx(0.0, abs=found.bar)
+
+
+def test_no_limit_is_agreed_is_not_said_where_orders_leave_too_few_to_tell() -> None:
+    found = of_orders(a=flown(1.0, 0.01), c=flown(2.6, 0.02, 0.01))
+    assert found.agreed == ""
+    headline = scene_words(found, {"c": "Engine C"})[0]
+    assert headline.startswith("Whether there is one limit cannot be told yet: steps of Engine C draw together faster")
+    kept = of_orders(a=flown(1.4, 0.01), b=flown(1.4, 0.02))
+    assert kept.agreed == "A"

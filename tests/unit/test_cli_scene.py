@@ -132,7 +132,7 @@ def test_a_robot_runs_and_its_folder_says_what_became_of_it(
         ("--dt", "nan", "'nan', expected seconds"),
         ("--duration", "-1", "'-1', expected seconds from 1e-06 to 1e+06"),
         ("--budget", "soon", "'soon', expected seconds from 0 to 1e+07, like 0.002, 2ms, 90s or 5m"),
-        ("--scenaro", "drop", "no option '--scenaro', expected some of --budget, --case, --convex, --drop, --dt, --duration"),
+        ("--scenaro", "drop", "no option '--scenaro', expected some of --budget, --case, --commands, --convex, --drop, --dt"),
     ],
 )
 def test_an_option_that_is_none_is_refused_by_name(robot: Path, tmp_path: Path, option: str, value: str, said: str) -> None:

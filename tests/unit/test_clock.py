@@ -2,6 +2,7 @@
 
 import contextlib
 import dataclasses
+import math
 import multiprocessing
 import random
 import threading
@@ -52,9 +53,15 @@ def test_the_median_is_taken_per_simulated_second() -> None:
     assert timing.realtime_factor == 1.0
 
 
-def test_equal_samples_have_an_interval_of_no_width_and_are_stable() -> None:
+def drifted(middle: float, low: float, high: float) -> tuple[float, float]:
+    """Ends of an interval with the machine's drift: 1.96 times 1.6 %, added to the logarithms in squares."""
+    below, above = (math.sqrt(math.log(end / middle) ** 2 + (1.95996 * 0.016) ** 2) for end in (low, high))
+    return middle * math.exp(-below), middle * math.exp(above)
+
+
+def test_equal_samples_have_the_interval_of_the_machines_drift_and_are_stable() -> None:
     timing = summarise(TRIAL, [SAMPLE] * 5)
-    assert (timing.cpu_low, timing.cpu_high) == (0.5, 0.5)
+    assert (timing.cpu_low, timing.cpu_high) == pytest.approx((0.5 * math.exp(-0.03136), 0.5 * math.exp(0.03136)), rel=1e-5)
     assert timing.unstable_timing is False
 
 
@@ -75,7 +82,7 @@ def test_the_interval_of_a_price_is_that_of_the_median_of_its_samples() -> None:
     timing = summarise(TRIAL, [dataclasses.replace(SAMPLE, cpu=float(k)) for k in range(1, 18)])
     wider = 2.1199 / 1.95996
     found = timing.cpu_per_sim_s, timing.cpu_low, timing.cpu_high
-    assert found == pytest.approx((9.0, 9.0 * (5 / 9) ** wider, 9.0 * (13 / 9) ** wider), rel=1e-4)
+    assert found == pytest.approx((9.0, *drifted(9.0, 9.0 * (5 / 9) ** wider, 9.0 * (13 / 9) ** wider)), rel=1e-4)
 
 
 def test_a_wide_interval_a_restless_canary_and_too_few_samples_are_each_marked_unstable() -> None:
@@ -94,7 +101,7 @@ def test_a_price_that_differs_between_two_processes_is_marked_unstable() -> None
 
     wider = 2.2622 / 1.95996  # Student's t of nine degrees of freedom over the normal's percentile
     assert dearer(2.0).unstable_timing is True
-    ends = 0.75 * (2 / 3) ** wider, 0.75 * (4 / 3) ** wider
+    ends = drifted(0.75, 0.75 * (2 / 3) ** wider, 0.75 * (4 / 3) ** wider)
     assert (dearer(2.0).cpu_low, dearer(2.0).cpu_high) == pytest.approx(ends, rel=1e-4)
     # Half of 1.3 - 1 is 13 % of their middle, half of 1.1 - 1 is 5 %, and 15 % more each; a tenth is the line.
     assert dearer(1.3).unstable_timing is True
@@ -116,11 +123,14 @@ def test_a_canary_that_moved_between_two_processes_marks_a_price_that_did_not() 
 
 
 @pytest.mark.parametrize(("processes", "samples", "most"), [(3, 1, 0.05), (4, 2, 0.05), (3, 4, 0.06)])
-def test_intervals_of_a_price_that_is_clocked_twice_overlap(processes: int, samples: int, most: float) -> None:
-    """Processes differ by 2 % and samples in one by 1 %. Of 1000 pairs a share of .05 is known to .007.
+def test_intervals_of_a_price_that_is_clocked_twice_overlap(
+    processes: int, samples: int, most: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Processes differ by 2 % and samples in one by 1 %, without any drift. Of 1000 pairs a share of .05 is known to .007.
 
     The bootstrap alone, of samples drawn as if each were by itself, leaves a fifth of them apart.
     """
+    monkeypatch.setattr("plumbline.harness.run.timing_protocol.DRIFT", 0.0)
     rng, apart = np.random.default_rng(5), 0
     for _ in range(1000):
         timings = []

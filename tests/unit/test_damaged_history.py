@@ -1,5 +1,6 @@
 """Histories that would stop a night: damaged files, names that are no dates, what is no file; it names them and goes on."""
 
+import json
 import os
 import shutil
 import time
@@ -8,15 +9,17 @@ from pathlib import Path
 
 import pytest
 
+from plumbline.harness.findings.summary import summaries
 from plumbline.harness.history.answer_store import Pool
 from plumbline.harness.history.folder import History, opened
 from plumbline.harness.history.regressions import read_trends
 from plumbline.harness.history.retention import prune, pruning
 from plumbline.harness.history.verify_history import problems_of
+from plumbline.harness.run import verify
 from plumbline.harness.store import disk
 from plumbline.harness.store.journal import Journal
 from plumbline.harness.store.seal import sealed_json
-from plumbline.harness.store.store import read_plain
+from plumbline.harness.store.store import Store, read_plain
 from tests.conftest import Command
 from tests.nights import planted
 from tests.unit.test_history_news import FILE
@@ -209,6 +212,35 @@ def test_who_is_notified_ends_with_the_budget_and_the_lock_is_not_held_meanwhile
     assert done.returncode == 0
     assert "--notify: ended after" in done.stderr
     assert held.read_text() == "free\n"
+
+
+def test_summaries_are_made_again_only_where_they_are_not_what_their_night_wrote(
+    root: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    made = []
+
+    def counted(store: Store) -> dict[str, bytes]:
+        made.append(store.folder)
+        return summaries(store)
+
+    monkeypatch.setattr(verify, "summaries", counted)
+    assert not [*problems_of(opened(root))]
+    assert not made
+    path = last(root) / "summary.md"
+    path.write_bytes(path.read_bytes() + b"more")
+    assert [problem.path for problem in problems_of(opened(root))] == [path]
+    assert made == [last(root)]
+
+
+def test_a_table_of_nights_shows_the_last_ones_and_says_how_many_there_are(
+    root: Path, printed: Command, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("plumbline.harness.cli.history_command._SHOWN", 1)
+    done = printed("history", root)
+    first, second = (night.stamp for night in opened(root).nights())
+    assert (first[:8] in done.stdout, second[:8] in done.stdout) == (first[:8] == second[:8], True)
+    assert done.stdout.splitlines()[-1] == "and 1 earlier nights; --json prints all 2"
+    assert len(json.loads(printed("history", root, "--json").stdout)) == 2
 
 
 def test_a_night_in_which_nothing_was_answered_stops_no_trends(root: Path) -> None:

@@ -7,8 +7,10 @@ import numpy as np
 import pytest
 
 from plumbline.harness.adapter import Feature, Unsupported
+from plumbline.harness.adapter.features import features_of
 from plumbline.harness.intake.import_wishes import Drop, Wishes
 from plumbline.harness.scene import Sphere, rotate
+from plumbline.harness.scene.importers.companion import beside, load_companion
 from plumbline.harness.scene.importers.reading import read
 from plumbline.harness.study import plugins
 from plumbline.harness.trajectory import State
@@ -103,3 +105,22 @@ def test_the_gripper_runs_where_an_engine_has_its_laws_and_is_refused_by_name_el
     )
     assert np.linalg.norm(one - palm) == pytest.approx(np.linalg.norm(other - palm), abs=1e-3)
     assert np.linalg.norm(one - other) == pytest.approx(0.04 + 2 * 0.01, abs=4e-3)
+
+
+SCENES = tuple(sorted(path.stem for path in (EXAMPLES / "scenes").glob("*.toml") if not path.name.endswith(".plumb.toml")))
+
+
+def test_the_page_names_every_scene() -> None:
+    page = (EXAMPLES / "README.md").read_text(encoding="utf-8")
+    assert len(SCENES) == 10
+    assert all(f"`{name}`" in page for name in SCENES)
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_a_scene_is_read_with_its_duration_and_every_engine_claims_what_it_needs(name: str) -> None:
+    read_scene = read(
+        EXAMPLES / "scenes" / f"{name}.toml", companion=load_companion(beside(EXAMPLES / "scenes" / f"{name}.toml"))
+    )
+    assert 1.0 <= read_scene.duration <= 4.0
+    for engine in ("reference", "mujoco", "bullet", "dart"):
+        assert not features_of(read_scene.scene) & ~plugins.adapter(engine).features

@@ -1,5 +1,6 @@
 """What a URDF says and does not say, point by point: what is carried over, said, or refused with the words that mend it."""
 
+import gc
 import re
 from itertools import pairwise
 from pathlib import Path
@@ -11,14 +12,16 @@ from scipy.spatial.transform import Rotation
 from plumbline.harness.intake.import_wishes import Wishes
 from plumbline.harness.intake.refusal import RobotError
 from plumbline.harness.scene import Box, ConvexHull, Coupling, Prismatic, Revolute
+from plumbline.harness.scene.importers import reading
 from plumbline.harness.scene.importers.companion import Companion, Drives, JointWish, Massless
 from plumbline.harness.scene.importers.imported import Imported
 from plumbline.harness.scene.importers.joint_tree import tree_of
 from plumbline.harness.scene.importers.kinematics import posed
 from plumbline.harness.scene.importers.materials import laws_of
-from plumbline.harness.scene.importers.merging import grouped
+from plumbline.harness.scene.importers.merging import Group, grouped
 from plumbline.harness.scene.importers.poses import IDENTITY
 from plumbline.harness.scene.importers.reading import read, robot_of
+from plumbline.harness.scene.importers.robot import Robot
 from tests.robot_files import INERTIAL, LIMIT, imported, row, urdf
 
 
@@ -291,6 +294,24 @@ def test_a_refused_planar_joint_and_mimics_of_fixed_joints_are_named(tmp_path: P
     assert (row(got, "mimic").name, row(got, "mimic").outcome) == ("'t'", "left_out")
     with pytest.raises(RobotError, match="joint 'j': mimic of a fixed joint, which does not move"):
         imported(tmp_path, urdf(tip.format(""), joint=f'{LIMIT}<mimic joint="t"/>'))
+
+
+def test_a_file_is_read_without_the_collector_of_cycles_which_is_as_it_was_afterwards(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    collected: list[bool] = []
+
+    def watched(robot: Robot) -> dict[str, Group]:
+        collected.append(gc.isenabled())
+        return grouped(robot)
+
+    monkeypatch.setattr(reading, "grouped", watched)
+    assert gc.isenabled()
+    imported(tmp_path, urdf())
+    with pytest.raises(RobotError):
+        imported(tmp_path, urdf('<link name="lost"/>'))
+    assert collected == [False]
+    assert gc.isenabled()
 
 
 def test_a_long_chain_is_kept_link_by_link(tmp_path: Path) -> None:

@@ -21,6 +21,7 @@ from plumbline.harness.scene import (
     Revolute,
     Scene,
     Spring,
+    Surface,
     principal_inertia,
 )
 from plumbline.harness.trajectory import Trajectory
@@ -213,3 +214,16 @@ def test_a_joint_pulled_open_shows_its_gap_and_a_moved_one_none(
 def test_a_scene_without_joints_has_no_gap() -> None:
     with pytest.raises(NotMeasurable, match="no joint"):
         joint_gap_max(PAIR, _pair())
+
+
+def test_momentum_is_not_measured_where_something_fixed_can_be_touched() -> None:
+    """A cup on a floor is turned by the floor, and no engine has lost what the floor took."""
+    law = Surface(between=("default", "default"), static_friction=0.5, kinetic_friction=0.5)
+    standing = Scene(bodies=(Body.ground("default"), Body.ball("ball", 0.1, w_WB=(0.0, 0.0, 3.0))), surfaces=(law,))
+    run = Trajectory.of(TIME, 2)
+    for metric in (momentum_drift_max, angular_momentum_drift_max):
+        with pytest.raises(NotMeasurable, match="body 'ground' stays and can be touched"):
+            metric(standing, run)
+    apart = replace(standing, surfaces=(), apart=(("default", "default"),))
+    run.w_WB[:, 1, 2] = np.linspace(3.0, 2.7, len(TIME))
+    assert angular_momentum_drift_max(apart, run) == pytest.approx(0.1)

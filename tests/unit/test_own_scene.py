@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from plumbline.harness.case.own_titles import title_of
@@ -15,13 +16,17 @@ from plumbline.harness.case.scene_file import own_case
 from plumbline.harness.cli.own_scene import closing_count, closing_words
 from plumbline.harness.findings import tables
 from plumbline.harness.findings.agreement import agreements, balances, errors_of, outlooks
+from plumbline.harness.findings.agreement.costs import best_setting
+from plumbline.harness.findings.agreement.happened import happenings
+from plumbline.harness.findings.agreement.setting_causes import settings_turned
 from plumbline.harness.findings.prices import Prices
 from plumbline.harness.findings.selection import Wish, choose
-from plumbline.harness.findings.selection.evidence import DECADES
+from plumbline.harness.findings.selection.evidence import DECADES_OF_SPEED
 from plumbline.harness.findings.selection.words import headline
+from plumbline.harness.findings.sensor_readings.converged import converged_readings
 from plumbline.harness.run.campaign import carry_out
-from plumbline.harness.scene import Body, Scene, sphere_inertia
-from plumbline.harness.scene.file import dump_toml
+from plumbline.harness.scene import Body, Imu, Scene, sphere_inertia
+from plumbline.harness.scene.file import dump_toml, load
 from plumbline.harness.store.store import Store
 from plumbline.harness.study import plugins
 from plumbline.harness.study.experiment import Refinement
@@ -34,7 +39,7 @@ from plumbline.reports.pages.scene import PAGE
 from tests.in_process import clocked_by, in_this_process
 from tests.known_prices import LAWS, PLUGINS
 from tests.links import dangling
-from tests.own_limits import pile
+from tests.own_limits import pendulum, pile
 
 ENGINES = ("spinner", "laggard")
 """A third party's, which err by a law that is known: `tests.known_prices`."""
@@ -132,13 +137,13 @@ def test_what_is_bounded_at_the_coarsest_step_asked_for_is_a_price(thrown: Done)
     found = choose(thrown.store, Wish(max_error=1e-1, weights={"accuracy": 0.0}), draws=500)
     assert found.rank is not None
     assert [(place.engine, place.number) for place in found.rank.places] == [(cheapest, 1), (dearest, 2)]
-    assert found.evidence.tracks == {name: price.track for name, price in listed.items()}
+    assert found.evidence.tracks == dict.fromkeys(listed, "tuned")  # both tracks cost the same, and the tuned one errs less
     ratio = (listed[dearest].cost or 0.0) / (listed[cheapest].cost or 1.0)
-    for engine, score in ((cheapest, 1.0), (dearest, max(0.0, 1 - math.log10(ratio) / DECADES))):
-        datum = found.evidence.table["price", thrown.case, engine]
-        assert not datum.bounded
+    for engine, score in ((cheapest, 1.0), (dearest, max(0.0, 1 - math.log10(ratio) / DECADES_OF_SPEED))):
+        datum = found.evidence.table["speed", thrown.case, engine]
         assert datum.value == pytest.approx(score)
         assert "at most" not in datum.says
+        assert datum.says.endswith(" times real time at its nominal step")
     assert "too few" not in headline(found, str)
 
 
@@ -146,7 +151,7 @@ def test_the_run_ends_with_verdicts_and_never_with_a_bare_passed(thrown: Done) -
     said = closing_words(thrown.store)
     assert "agree on one limit to the end" in said[0]
     assert sum(": agrees (order " in sentence for sentence in said) == 4
-    (costs,) = [sentence for sentence in said if "times real time" in sentence.lower()]
+    (costs,) = [sentence for sentence in said if sentence.startswith("Times real time")]
     listed = {price.engine: price for price in Prices(thrown.store).prices if price.target == 1e-2}
     paced = sorted(listed.values(), key=lambda price: price.cost or 0.0)
     told = re.findall(r"([\d.e+]+) \((\w+), dt 1/(\d+) s\)", costs)
@@ -172,13 +177,33 @@ def test_the_page_is_as_good_as_the_others(thrown: Done, monkeypatch: pytest.Mon
         assert title in text
     assert "distance from the limit [of its size]" in text
     index = (report / "index.html").read_text()
-    assert re.search(r'id="which".*<h3>My thrown ball</h3>.*first, in', index, re.DOTALL)
-    assert re.search(r'id="cost".*real time.*at [^<]* error', index, re.DOTALL)
+    assert re.search(r'id="which".*<b>My thrown ball</b>.*is first in ', index, re.DOTALL)
+    assert re.search(r'class="figures"><span>[\d.]+\N{MULTIPLICATION SIGN}</span> <span>[\d.]+ %</span>', index)
     assert "passed [cases]" not in index
     for told in (text, index):
         shown = re.sub(r"<script.*?</script>", "", told, flags=re.DOTALL)
         assert "agrees" in shown
         assert not re.search(r"[✓0-9] passed", shown)
+
+
+QUESTIONS = ("Does it run?", "Do they agree?", "Who is off, and why?", "What does accuracy cost?", "What to set?")
+
+
+def test_the_first_screen_answers_five_questions_in_order_before_anything_else(thrown: Done) -> None:
+    (text,) = (str(text) for name, text in PAGE.render(thrown.store).items() if name.endswith(".html"))
+    hero = text[text.index('<section class="hero') : text.index("</section>")]
+    places = [hero.index(question) for question in QUESTIONS]
+    assert places == sorted(places)
+    for sentence in ("agree on one limit to the end", "Nobody."):
+        assert sentence in hero
+    for target in re.findall(r'<dt><a href="#([^"]+)"', hero):
+        assert f'id="{target}"' in text
+    # The cheapest at 1 %, with its track and step, is what to set.
+    cheapest = min((price for price in Prices(thrown.store).prices if price.target == 1e-2), key=lambda price: price.cost)
+    (agreement,) = agreements(thrown.store)
+    best = best_setting(thrown.store, agreement)
+    assert f", {cheapest.track} at dt 1/{1 / cheapest.dt:.4g} s: {1 / cheapest.cost:.3g} times real time" in best
+    assert best in [sentence.removeprefix("Set: ") for sentence in closing_words(thrown.store)]
 
 
 def test_every_link_of_a_report_of_ones_own_scene_leads_somewhere(thrown: Done, fallen: Done) -> None:
@@ -232,3 +257,79 @@ def test_perturbed_starts_are_kept_apart_from_the_scene_itself(fallen: Done) -> 
     assert "<td>start 2</td>" in text
     assert "<td>as it is</td>" in text
     assert "Perturbed starts" in text
+
+
+@pytest.fixture(scope="module")
+def sensed(tmp_path_factory: pytest.TempPathFactory) -> Done:
+    """A pendulum with an inertial sensor on its bob, on two engines that people can deploy."""
+    scene = replace(pendulum(), sensors=(Imu(name="imu", body="bob", rate=60.0),))
+    asked = {"refine": Refinement(finest=1 / 960, further=0, members=0, turns=0), "timing": False, "tracks": ("tuned",)}
+    with pytest.MonkeyPatch.context() as patch:
+        in_this_process(patch)
+        return carried_out(tmp_path_factory.mktemp("sensed"), scene, ("mujoco", "dart"), "sensed.toml", **asked)
+
+
+def test_sensors_of_a_scene_of_ones_own_are_held_against_converged_readings(sensed: Done) -> None:
+    """A gyroscope errs as the motion does: DART at its first step by the first order, MuJoCo by far less."""
+    rows = {(row["engine"], row["channel"]): row for row in tables.table("sensors").rows(sensed.store)}
+    assert rows.keys() == {(engine, channel) for engine in ("mujoco", "dart") for channel in ("accelerometer", "gyroscope")}
+    for row in rows.values():
+        assert row["reason"] == ""
+        assert row["error_max"] is not None
+    # Of a swing from 1 rad with 3 rad/s: a step of 1/240 s of the first order errs by some per cent of that at most.
+    assert 0.0 < rows["mujoco", "gyroscope"]["error_max"] < rows["dart", "gyroscope"]["error_max"] < 0.1
+    finer = converged_readings(sensed.store, sensed.case)
+    time = finer["truth_stream:imu/time"]
+    rate = np.linalg.norm(finer["truth_stream:imu/gyroscope_ideal"], axis=1)
+    # Energy: w^2 moment / 2 is what its height gave, m g l (cos x - cos 1); at the end of a quarter swing that is all of it.
+    moment = 1.0 + 0.4 * 0.4**2
+    assert rate.max() == pytest.approx(math.sqrt(2 * 9.81 * (1 - math.cos(1.0)) / moment), rel=5e-3)  # samples miss the lowest
+    assert time[-1] == pytest.approx(DURATION)
+
+
+def test_readings_are_held_against_nothing_where_no_limit_is_agreed(fallen: Done) -> None:
+    assert converged_readings(fallen.store, fallen.case) == {}
+
+
+@pytest.fixture(scope="module")
+def gripping(tmp_path_factory: pytest.TempPathFactory) -> Done:
+    """The cube of friction 5 among the examples, on MuJoCo alone: its default cone is a pyramid."""
+    asked = {"refine": Refinement(finest=1 / 960, further=0, members=0, turns=3), "timing": False}
+    with pytest.MonkeyPatch.context() as patch:
+        in_this_process(patch)
+        scene = load(Path(__file__).parents[2] / "examples" / "scenes" / "gripping_cube.toml")
+        return carried_out(tmp_path_factory.mktemp("gripping"), scene, ("mujoco",), "gripping.toml", **asked)
+
+
+def test_the_cause_of_a_cube_that_creeps_on_a_floor_it_grips_is_the_pyramid(gripping: Done) -> None:
+    (agreement,) = agreements(gripping.store)
+    turned = settings_turned(gripping.store, agreement)
+    assert len(turned) == 3
+    assert {(each.engine, each.track, each.towards) for each in turned} == {("mujoco", "default", "tuned")}
+    (cause,) = [each for each in turned if each.cause]
+    assert (cause.setting, cause.value) == ("cone", "elliptic")
+    assert cause.closes > 0.9
+    assert cause.before > 0.05
+    for row in tables.table("causes").rows(gripping.store):
+        assert row["closes"] == pytest.approx(1 - row["after"] / row["before"])
+    said = " ".join(closing_words(gripping.store))
+    assert "'cone' turned to elliptic alone closes" in said
+    # What it adds beside is a list, and no cause.
+    assert "Computed although the scene does not call for it: gyroscopic on MuJoCo default and MuJoCo tuned." in said
+
+
+def test_settings_that_were_turned_are_no_sides_of_their_own(gripping: Done) -> None:
+    (agreement,) = agreements(gripping.store)
+    assert {side.track for side in agreement.sides} == {"default", "tuned"}
+    assert len(gripping.store.asked) == 6
+    assert len(gripping.store.trials) == 9
+
+
+def test_what_happens_is_told_with_who_differs_in_it(fallen: Done) -> None:
+    (agreement,) = agreements(fallen.store)
+    groups = happenings(fallen.store, agreement)
+    assert {side for group in groups for side in group.sides} == {("mujoco", "tuned"), ("dart", "tuned")}
+    for group in groups:
+        assert {event.body for event in group.events} <= {"box_0"}
+        assert "passed through" not in {event.kind for event in group.events}
+    assert closing_words(fallen.store)[1].startswith("What happens")

@@ -124,6 +124,13 @@ def test_a_robot_file_says_what_became_of_its_elements(tmp_path: Path) -> None:
     assert run.recording().stat().st_size > 0
 
 
+def test_numbers_of_numpy_are_numbers() -> None:
+    run = plumbline.run(
+        "flight_projectile", dt=np.float64(1 / 240), parameters={"mass": np.float32(2.0)}, deadline=np.int64(60)
+    )
+    assert (run.status, run.scene.bodies[0].mass) == ("passed", 2.0)
+
+
 CRASHES = """
 import plumbline
 for engine in ("dies", "hangs"):
@@ -133,6 +140,12 @@ for engine in ("dies", "hangs"):
         run.positions
     except plumbline.PlumblineError as error:
         print(error)
+scene = plumbline.Scene(bodies=[plumbline.Body(name="b")])
+print(plumbline.run(scene, "raises", 0.1).reason)
+try:
+    plumbline.run(scene, "raises", 0.1, isolated=False)
+except RuntimeError as error:
+    print("here:", error)
 """
 
 
@@ -156,24 +169,29 @@ class Wild(Adapter):
     def build(self, scene, settings):
         if self.name == "dies":
             os.abort()
+        if self.name == "raises":
+            raise RuntimeError("no luck")
         while True:
             pass
 
-DIES, HANGS = Wild(name="dies", title="Dies"), Wild(name="hangs", title="Hangs")
+DIES, HANGS, RAISES = (Wild(name=name, title=name) for name in ("dies", "hangs", "raises"))
 """,
         encoding="utf-8",
     )
     info = tmp_path / "wild-1.dist-info"
     info.mkdir()
     (info / "METADATA").write_text("Metadata-Version: 2.1\nName: wild\nVersion: 1\n", encoding="utf-8")
-    (info / "entry_points.txt").write_text("[plumbline.adapters]\ndies = wild:DIES\nhangs = wild:HANGS\n", encoding="utf-8")
+    (info / "entry_points.txt").write_text(
+        "[plumbline.adapters]\ndies = wild:DIES\nhangs = wild:HANGS\nraises = wild:RAISES\n", encoding="utf-8"
+    )
     done = python(CRASHES, tmp_path, PYTHONPATH=str(tmp_path))
     assert done.returncode == 0, done.stderr
-    died, none, late, neither = done.stdout.splitlines()
+    died, none, late, neither, raised, here = done.stdout.splitlines()
     assert died == "crashed | killed by SIGABRT"
     assert none == "dies gave no state: crashed: killed by SIGABRT"
     assert late.startswith("timeout | deadline of 1 s passed")
     assert neither.startswith("hangs gave no state: timeout")
+    assert (raised, here) == ("RuntimeError: no luck", "here: no luck")
 
 
 def test_a_comparison_is_the_run_folder_that_the_command_line_writes(tmp_path: Path) -> None:
@@ -240,13 +258,23 @@ WRONG: tuple[tuple[Callable[[], Any], str], ...] = (
     (lambda: plumbline.run("flight_box", "mujoko"), "'mujoko': not found, expected one of .*; did you mean mujoco"),
     (lambda: plumbline.run("flight_box", duration=3.0), "'flight_box': duration 3 s, expected none"),
     (lambda: plumbline.run("flight_box", track="fast"), r"tracks\[0\]: Input should be 'default' or 'tuned', got 'fast'"),
-    (lambda: plumbline.run(thrown(), dt=-1.0), "dt: -1.0, expected seconds"),
+    (lambda: plumbline.run(thrown(), dt=-1.0), r"dt \[s\]: -1, expected 1e-09 to 1"),
     (lambda: plumbline.run(thrown(), duration=1e5, dt=1e-7), "steps"),
     (lambda: plumbline.run(thrown(), root="fixed"), "root: unknown of a scene built in Python"),
     (lambda: plumbline.run("flight_box", parameters={"sped": 1.0}), "'sped': unknown, expected one of speed"),
     (lambda: plumbline.run("flight_box", parameters={"speed": "fast"}), "'speed': 'fast', expected a number"),
     (lambda: plumbline.load(ROOT / "examples" / "arm.urdf", root="bolted"), "root: .*got 'bolted'"),
     (lambda: plumbline.load(ROOT / "examples" / "arm.urdf", convex=1), "convex: 1, expected 2..64"),
+    (lambda: plumbline.run(3), r"run: what: 3, expected Scene \| Path \| str"),
+    (lambda: plumbline.to_toml(3), "to_toml: 3, expected Scene"),
+    (lambda: plumbline.run(thrown(), 5), "run: engine: 5, expected str"),
+    (lambda: plumbline.run(thrown(), duration="2"), "run: duration: '2', expected float"),
+    (lambda: plumbline.run(thrown(), dt=True), "run: dt: .rue, expected float"),
+    (lambda: plumbline.compare(thrown(), "mujoco"), r"compare: engines: 'mujoco', expected Sequence\[str\]"),
+    (lambda: plumbline.compare(thrown(), ["mujoco"], workers=0), "workers: 0, expected 1 to 1024"),
+    (lambda: plumbline.compare(thrown(), ["mujoco"], budget=-1.0), "budget"),
+    (lambda: plumbline.open(5), "open_results: folder: 5"),
+    (lambda: plumbline.select("build/q", "friction"), "select: need: 'friction', expected Sequence"),
     (lambda: plumbline.compare("qick"), "did you mean quick"),
     (lambda: plumbline.compare("quick", dt=0.01), "'quick': dt, expected none"),
     (lambda: plumbline.compare("quick", ["mujoco", "mujoco"]), "engine 'mujoco' is given twice"),
@@ -267,7 +295,7 @@ def test_wrong_questions_to_results_raise_it_too(results: plumbline.Results) -> 
     wrong: tuple[tuple[Callable[[], Any], str], ...] = (
         (lambda: results.table("pric"), "did you mean price"),
         (lambda: plumbline.select(results, need=["cooking"]), "'cooking' is no family or case"),
-        (lambda: plumbline.select(results, error=3.0), "error: 3.0, expected above 0 and at most 1"),
+        (lambda: plumbline.select(results, error=3.0), "error: 3, expected 1e-12 to 1"),
         (lambda: plumbline.select(results, weights={"taste": 1.0}), "weights: 'taste'"),
         (lambda: plumbline.select(results, preset="cooking"), "preset 'cooking'"),
     )

@@ -9,14 +9,21 @@ import pytest
 
 from plumbline.harness.adapter import Adapter, Feature, Settings, Simulation
 from plumbline.harness.case import Case
-from plumbline.harness.case.alteration import Alteration
+from plumbline.harness.case.alteration import TURNED, Alteration
 from plumbline.harness.case.starts import perturbed
-from plumbline.harness.scene import Body, Scene, sphere_inertia
+from plumbline.harness.findings.agreement import Agreement
+from plumbline.harness.findings.agreement.setting_causes import Turned, cause_words
+from plumbline.harness.findings.agreement.words import length
+from plumbline.harness.scene import Body, Effect, Scene, sphere_inertia
 from plumbline.harness.search.refined_ladder import next_trials, start_name
+from plumbline.harness.search.setting_turns import candidates
+from plumbline.harness.store.notices import StoredNotice
 from plumbline.harness.store.record import Record
 from plumbline.harness.study.experiment import Experiment, Refinement
+from plumbline.harness.study.one_knob import differing
 from plumbline.harness.study.study import Study
 from plumbline.harness.study.trial import Trial
+from plumbline.harness.trajectory.parting import extent
 from plumbline.harness.trial.accuracy import outcome
 
 SCENE = Scene(bodies=(Body(name="ball", inertia=sphere_inertia(1.0, 0.1)),))
@@ -82,12 +89,27 @@ def explodes_when_coarse(dt: float) -> np.ndarray | None:
 
 
 def carried_out(
-    laws: Mapping[str, Law], refine: Refinement, cost: float = 0.1, ours: str = ""
+    laws: Mapping[str, Law],
+    refine: Refinement,
+    cost: float = 0.1,
+    ours: str = "",
+    tracks: Mapping[str, Settings] | None = None,
+    off: Callable[[Settings], float] = lambda _: 0.0,
+    wanted: Callable[[Trial], bool] = lambda _: True,
 ) -> tuple[list[Trial], Mapping[str, Record]]:
-    """All trials of the search, with their records; a run costs `cost` CPU seconds at 1/240 s, twice that at half the step."""
+    """All trials of the search, with their records; a run costs `cost` CPU seconds at 1/240 s, twice that at half the step.
+
+    Args: tracks: of each engine. off: what settings move its ball aside [m/s].
+    """
     experiment = Experiment(name="ladder", dt="ladder", refine=refine, timing=False)
     adapters: dict[str, Adapter] = {
-        name: Made(name=name, title=name, **({"distribution": "plumbline"} if name == ours else {})) for name in laws
+        name: Made(
+            name=name,
+            title=name,
+            **({"distribution": "plumbline"} if name == ours else {}),
+            **({} if tracks is None else {"tracks": tracks}),
+        )
+        for name in laws
     }
     study = Study(name="made", experiments=(experiment,))
     trials = list(study.trials({CASE.name: CASE}, adapters, dict.fromkeys(laws, "1")))
@@ -97,7 +119,7 @@ def carried_out(
             if trial.trial not in records:
                 answer = laws[trial.engine](trial.settings.dt)
                 if answer is not None:
-                    kept.made[trial.trial] = answer
+                    kept.made[trial.trial] = answer + off(trial.settings) * TIME
                 status = "diverged" if answer is None else "passed"
                 records[trial.trial] = replace(
                     outcome(trial, status, ""),
@@ -105,7 +127,8 @@ def carried_out(
                     substep=trial.settings.dt,
                     rough_cost=cost * (1 / 240) / trial.settings.dt,
                 )
-        more = next_trials(trials, records, {CASE.name: CASE}, adapters, store=kept)  # type: ignore[arg-type]
+        cases: Any = {CASE.name: CASE}
+        more = next_trials(trials, records, cases, adapters, store=kept, wanted=wanted)  # type: ignore[arg-type]
         if not more:
             return trials, records
         trials += more
@@ -175,3 +198,87 @@ def test_perturbed_starts_differ_from_the_scene_and_from_each_other_and_are_the_
     tilt = np.arccos(np.dot(other.gravity, SCENE.gravity) / np.dot(SCENE.gravity, SCENE.gravity))
     assert tilt == pytest.approx(1e-4, rel=1e-3)
     assert Alteration.from_plain(Alteration(name="start 2", start=2).plain()) == Alteration(name="start 2", start=2)
+
+
+TRACKS = {
+    "default": Settings(iterations=5, options={"cone": "pyramid", "damping": 0.04}),
+    "tuned": Settings(iterations=9, solver="newton", options={"cone": "round", "damping": 0.0, "steps": 2.0}),
+}
+
+
+def turned(trials: Sequence[Trial], engine: str = "a") -> list[str]:
+    return [trial.track for trial in trials if trial.engine == engine and trial.alteration.name == TURNED]
+
+
+def test_settings_are_turned_one_by_one_where_the_tracks_of_an_engine_end_apart() -> None:
+    def off(settings: Settings) -> float:
+        return 0.5 * (settings.options["cone"] == "pyramid")
+
+    trials, _ = carried_out({"a": first_order, "b": first_order}, Refinement(), tracks=TRACKS, off=off)
+    names = ["cone round", "damping 0.0", "iterations 9", "solver newton", "steps 2.0"]
+    assert sorted(turned(trials)) == [f"default, {name}" for name in names]
+    one_turned = [trial for trial in trials if trial.alteration.name == TURNED]
+    assert {trial.settings.dt for trial in one_turned} == {1 / 960}
+    assert not any(trial.alteration.clocked for trial in one_turned)
+    for trial in one_turned:
+        assert len(differing(TRACKS["default"], trial.settings)) == 1
+    few, _ = carried_out({"a": first_order, "b": first_order}, Refinement(turns=2), tracks=TRACKS, off=off)
+    assert len(turned(few)) == 2
+
+
+def test_settings_are_turned_too_where_there_is_no_time_for_finer_steps() -> None:
+    laws: Mapping[str, Law] = {"a": first_order, "b": first_order}
+    off: Callable[[Settings], float] = lambda settings: 0.5 * (settings.options["cone"] == "pyramid")  # noqa: E731
+    trials, _ = carried_out(laws, Refinement(), tracks=TRACKS, off=off, wanted=lambda _: False)
+    assert steps(trials, "a") == [240, 480, 960]
+    assert len(turned(trials)) == 5
+
+
+def test_nothing_is_turned_where_the_tracks_end_alike() -> None:
+    trials, _ = carried_out({"a": first_order, "b": first_order}, Refinement(), tracks=TRACKS)
+    assert turned(trials) == []
+
+
+def test_turns_are_paid_for_by_the_share_of_their_side() -> None:
+    """A share of 1 s has .3 left after .1, .2 and .4 s; a third of it is reserved, and no run at 1/960 s takes less than .4."""
+    trials, _ = carried_out(
+        {"a": first_order, "b": first_order},
+        Refinement(budget=4.0),
+        tracks=TRACKS,
+        off=lambda settings: 0.5 * (settings.options["cone"] == "pyramid"),
+    )
+    assert turned(trials) == []
+
+
+def test_what_an_engine_adds_and_what_acts_on_the_scene_come_first() -> None:
+    adapter = Made(
+        name="a", title="a", tracks=TRACKS, knobs={"options.steps": (2.0,), "options.cone": ("pyramid", "round")},
+        acts_on={"options.cone": Effect.CONTACT, "options.steps": Effect.GRAVITY},
+    )  # fmt: skip
+    base, target = (
+        Trial(
+            study="s", experiment=Experiment(name="e"), case=CASE.name, parameters={}, engine="a", engine_version="1",
+            track=track, settings=TRACKS[track], seed=0,
+        )
+        for track in ("default", "tuned")
+    )  # fmt: skip
+    record = replace(outcome(base, "passed", ""), warnings=(StoredNotice("it damps", "surplus", "linear_damping"),))
+    order = [turn.name for turn in candidates(base, target, record, CASE, adapter)]
+    assert order[:2] == ["damping", "steps"]
+    assert "cone" not in order  # nothing touches here
+
+
+def turn(setting: str, closes: float | None, cause: bool = False) -> Turned:
+    return Turned(
+        case="c", where="", engine="a", track="default", setting=setting, value="round", towards="tuned", dt=1e-3, before=0.5,
+        after=None if closes is None else 0.5 * (1 - closes), why="", closes=closes, cause=cause, trial="t",
+    )  # fmt: skip
+
+
+def test_a_cause_is_named_where_it_closes_the_distance_and_no_single_one_elsewhere() -> None:
+    agreement = Agreement(case="c", where="", duration=1.0, scale=extent(SCENE), granted=0.0, sides=(), differences=())
+    (named,) = cause_words([turn("cone", 0.97, True), turn("steps", 0.1)], agreement, {"a": "Engine A"})
+    away = f"Engine A, default, ends {length(0.5, agreement)} from its tuned track"
+    assert named == f"{away}: 'cone' turned to round alone closes 97 % of that."
+    (none,) = cause_words([turn("steps", 0.4), turn("cone", None)], agreement, {})
+    assert "no single setting closes 80 % of that, of 2 tried (steps and cone); 'steps' closes most, 40 %." in none

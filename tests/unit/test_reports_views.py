@@ -160,7 +160,7 @@ def test_errors_that_are_level_win_their_case_for_each() -> None:
 
 def test_the_summary_says_what_the_tables_say() -> None:
     told = sentences(small())
-    assert told[0] == "On the tuned track Mu passes most cases at their own step: 2 of 2 (Da 1/2)."
+    assert told[0] == "On the tuned track Mu passes most cases at their nominal time step: 2 of 2 (Da 1/2)."
     plain = told[1].replace("\N{MULTIPLICATION SIGN}", " times")
     assert plain.endswith("in CPU time Mu 1 times, Da 2 times; in error Da 1 times, Mu 2 times.")
     beside = [sentence.replace("\N{MULTIPLICATION SIGN}", " times") for sentence in told if sentence.startswith("Beside them")]

@@ -5,7 +5,14 @@ from plumbline.harness.findings.agreement.errors import Errors, errors_of, ways
 from plumbline.harness.findings.agreement.found import AGREED_TRUTH, agreements, scenes_to_judge
 from plumbline.harness.findings.agreement.judgement import judged
 from plumbline.harness.findings.agreement.omissions import Omission, omission_words, omissions
-from plumbline.harness.findings.agreement.perturbed_starts import Balance, Outlook, balances, horizon_of, outlooks
+from plumbline.harness.findings.agreement.perturbed_starts import (
+    Balance,
+    Outlook,
+    balances,
+    foreseeable_until,
+    horizon_of,
+    outlooks,
+)
 from plumbline.harness.findings.agreement.values import Agreement, Difference, Side, Word
 
 __all__ = [
@@ -21,6 +28,7 @@ __all__ = [
     "agreements",
     "balances",
     "errors_of",
+    "foreseeable_until",
     "horizon_of",
     "judged",
     "omission_words",

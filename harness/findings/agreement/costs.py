@@ -21,20 +21,42 @@ def cost_words(store: Store) -> list[str]:
     return [sentence for one in agreements(store) if one.agreed and (sentence := _sentence(store, one, titles, ours))]
 
 
-def _sentence(store: Store, agreement: Agreement, titles: Mapping[str, str], ours: set[str]) -> str:
-    asked = [
+def best_setting(store: Store, agreement: Agreement) -> str:
+    """What to set: the engine that people can deploy, and its setting, that reaches the target cheapest; '' where none does."""
+    engines = store.catalogue.get("engines", {})
+    ranked = sorted(
+        (price for price in _asked(store, agreement) if price.cost and not engines.get(price.engine, {}).get("ours")),
+        key=lambda price: price.cost or 0.0,
+    )
+    if not agreement.agreed or not ranked:
+        return ""
+    best = ranked[0]
+    step = "" if best.dt is None else f" at {in_words({STEP: best.dt})}{beside(best.substeps)}"
+    title = str(engines.get(best.engine, {}).get("title") or best.engine)
+    pace = f"{1 / (best.cost or 1.0):.3g} times real time at {100 * WITHIN:g} % or less"
+    bound = "; larger steps were not tried" if best.verdict == "at most" else ""
+    return f"{title}, {best.track}{step}: {pace}{bound}."
+
+
+def _asked(store: Store, agreement: Agreement) -> list[Price]:
+    """The prices of the target in a scene."""
+    return [
         price
         for price in priced(store).prices
         if (price.case, price.where) == (agreement.case, agreement.where)
         and price.unit == PER_SECOND
         and abs(price.target / WITHIN - 1) < 1e-9
     ]
+
+
+def _sentence(store: Store, agreement: Agreement, titles: Mapping[str, str], ours: set[str]) -> str:
+    asked = _asked(store, agreement)
     paced = sorted((price for price in asked if price.cost), key=lambda price: price.cost or 0.0)
     ranked = [price for price in paced if price.engine not in ours]
     if not ranked:
         return ""
     words = ", ".join(f"{titles.get(price.engine, price.engine)} {_pace(price)}" for price in ranked)
-    words += "".join(f"; {titles.get(p.engine, p.engine)}, the yardstick, {_pace(p)}" for p in paced if p.engine in ours)
+    words += "".join(f"; {titles.get(p.engine, p.engine)}, not ranked, {_pace(p)}" for p in paced if p.engine in ours)
     lacking = [titles.get(price.engine, price.engine) for price in asked if not price.cost and price.engine not in ours]
     words += f"; not {' nor '.join(lacking)}" if lacking else ""
     until = "" if agreement.until >= 0.999 * agreement.duration else f" up to {agreement.until:.3g} s"

@@ -11,7 +11,7 @@ from plumbline.harness.findings.agreement.judgement import judged
 from plumbline.harness.findings.agreement.values import Agreement, Side
 from plumbline.harness.scene import Effect, Scene
 from plumbline.harness.scene.file import parse
-from plumbline.harness.search.own_limits import ANSWERED, own_limit, rungs_of
+from plumbline.harness.search.own_limits import ANSWERED, ROUNDING, granted_of, own_limit, rungs_of
 from plumbline.harness.store.store import Store
 from plumbline.harness.trajectory.parting import NOTHING, extent
 
@@ -55,18 +55,22 @@ def _agreement(store: Store, case: str, where: str, rows: Sequence[Any]) -> Agre
     for row in rows:
         sides.setdefault((row.engine, row.track), []).append(row)
     scale = NOTHING if scene is None else extent(scene)
-    limits = {side: own_limit(scale, rungs_of(store, runs)) for side, runs in sides.items()}
-    ours = [name for name, engine in store.catalogue.get("engines", {}).items() if engine.get("ours")]
-    duration = float(store.described("cases", case)["duration"])
+    engines = store.catalogue.get("engines", {})
     touching = scene is not None and Effect.CONTACT in scene.effects and _touching(store, rows)
+    granted = ROUNDING if scene is None else granted_of(scene, scale, touching=touching)
+    limits = {
+        side: own_limit(scale, rungs_of(store, runs), engines.get(side[0], {}).get("orders"), granted)
+        for side, runs in sides.items()
+    }
+    ours = [name for name, engine in engines.items() if engine.get("ours")]
+    duration = float(store.described("cases", case)["duration"])
     agreement = judged(scene, duration, limits, ours, touching=touching, case=case, where=where)
     return replace(agreement, sides=tuple(replace(side, adds=_added(store, side)) for side in agreement.sides))
 
 
 def _added(store: Store, side: Side) -> tuple[str, ...]:
     """The effects that the finest answer of a side computes although its scene does not call for them, by its own word."""
-    answered = [rung.trial for rung in side.limit.rungs if rung.run is not None]
-    notices = store.notices.get(answered[-1], ()) if answered else ()
+    notices = () if side.limit.finest is None else store.notices.get(side.limit.finest.trial, ())
     return tuple(dict.fromkeys(each.effect.replace("_", " ") for each in notices if each.kind == "surplus" and each.effect))
 
 

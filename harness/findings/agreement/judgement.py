@@ -5,10 +5,11 @@ which both are known. They agree where they lie no further apart than their bars
 
 A limit is **agreed** where a camp has two engines or more that people can deploy, and more of them than any other camp. Each
 engine has one vote, on its tuned track if that has a limit, else on its default one: two tracks of one engine are no two
-witnesses, and an engine that is undecided between camps has none. Our own engine stands with a camp like any other and is
-shown there, but it has no vote: else it would judge whom it is judged with. The agreed limit is that of the sharpest voter
-which is known as long as two of them are; its bar is the nearest confirmation by another voter, distance and that one's bar
-added.
+witnesses, and an engine that is undecided between camps has none. One whose steps draw together faster than its integrator
+promises is not near a limit yet: it stands in no camp, and is held against the agreed limit alone. The reference engine stands
+with a camp like any other and is shown there, but it has no vote: else it would judge whom it is judged with. The agreed limit
+is that of the sharpest voter which is known as long as two of them are; its bar is the nearest confirmation by another voter,
+distance and that one's bar added.
 """
 
 from collections.abc import Collection, Mapping, Sequence
@@ -17,21 +18,13 @@ from itertools import combinations
 
 import numpy as np
 
-from plumbline.harness.adapter import Feature
-from plumbline.harness.adapter.features import features_of
 from plumbline.harness.findings.agreement.values import Agreement, Difference, Side, Word
 from plumbline.harness.scene import Scene
-from plumbline.harness.search.own_limits import OwnLimit
+from plumbline.harness.search.own_limits import OwnLimit, granted_of
 from plumbline.harness.statistics.agreement_clusters import camps
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.trajectory.parting import NOTHING, Extent, extent, length, offsets
 
-ROUNDING = 1e-6
-"""Share of the size that two limits may lie apart beyond their bars: what a last digit of a constant does, and nobody asks
-for."""
-SOFT = 1e-3
-"""Metres that a contact, or a joint that closes a loop, may give under weight: granted to all engines whose contacts are
-springs."""
 LONGER = 2.0
 """Others converge so many times as long: beyond what a higher order or chance makes of a horizon."""
 
@@ -63,17 +56,12 @@ def judged(
         where=where,
         duration=duration,
         scale=scale,
-        granted=0.0 if scene is None else _granted(scene, scale, touching=touching),
+        granted=0.0 if scene is None else granted_of(scene, scale, touching=touching),
         sides=tuple(_stopped(sides)),
         differences=(),
+        scene=scene,
     )
     return plain if scene is None else _against_each_other(plain, scene)
-
-
-def _granted(scene: Scene, scale: Extent, *, touching: bool) -> float:
-    """What limits may lie apart beyond their bars, as a share of the smallest size."""
-    soft = touching or Feature.CLOSED_LOOP in features_of(scene)
-    return ROUNDING + (SOFT / float(scale.size.min(initial=np.inf)) if soft else 0.0)
 
 
 def _stopped(sides: Sequence[Side]) -> list[Side]:
@@ -98,9 +86,9 @@ def _stopped(sides: Sequence[Side]) -> list[Side]:
 
 def _against_each_other(plain: Agreement, scene: Scene) -> Agreement:
     """The camps, the differences between them, and the limit that is agreed."""
-    known = [side for side in plain.sides if side.word == "converges"]
+    known = [side for side in plain.sides if side.word == "converges" and not side.limit.too_fast]
     if not known:
-        return plain
+        return replace(plain, sides=tuple(map(_not_yet, plain.sides)))
     pairs = {
         (a, b): _compare(_known(known[a]), _known(known[b]), plain.scale, plain.granted)
         for a, b in combinations(range(len(known)), 2)
@@ -110,7 +98,17 @@ def _against_each_other(plain: Agreement, scene: Scene) -> Agreement:
         made = _in_camps(plain, scene, known, pairs, until)
         if agreed := _majority(made, until):
             return _agreed(made, agreed, until)
-    return _in_camps(plain, scene, known, pairs, plain.duration)
+    apart = _in_camps(plain, scene, known, pairs, plain.duration)
+    return replace(apart, sides=tuple(map(_not_yet, apart.sides)))
+
+
+def _not_yet(side: Side) -> Side:
+    """A side whose steps draw together too fast does not converge: nothing says where to."""
+    if side.word != "converges" or not side.limit.too_fast:
+        return side
+    order = side.limit.said.order if side.limit.said is not None else None
+    why = f"order {order:.2f}, and its integrator has {side.limit.promised}: smaller steps would tell where it ends"
+    return replace(side, word="does not converge", why=why)
 
 
 def _in_camps(
@@ -170,7 +168,7 @@ class _Known:
 def _known(side: Side) -> _Known:
     assert side.limit.value is not None
     assert side.limit.bar is not None
-    return _Known(side.limit.value, side.limit.bar, side.limit.until)
+    return _Known(side.limit.value, side.limit.bar, side.limit.seen_until)
 
 
 def _compare(first: _Known, second: _Known, scale: Extent, granted: float) -> _Pair:
@@ -229,6 +227,8 @@ def _placed(side: Side, agreed: Agreement) -> Side:
     if side.word != "converges" or agreed.limit is None or agreed.bars is None:
         return side
     pair = _compare(_known(side), _Known(agreed.limit, agreed.bars, agreed.until), agreed.scale, agreed.granted)
+    if side.limit.too_fast:
+        return replace(_not_yet(side) if pair.since is not None else replace(side, word="agrees"), distance=pair.distance)
     word: Word = "agrees" if agreed.agreed in side.camps else "converges elsewhere"
     since = pair.since if word == "converges elsewhere" else None
     return replace(side, word=word, distance=pair.distance, since=since)

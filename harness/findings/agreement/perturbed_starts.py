@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from plumbline.harness.case.starts import TOLERANCE as BUILT
 from plumbline.harness.findings.agreement.values import Agreement
 from plumbline.harness.findings.steps_taken import substeps_of
 from plumbline.harness.scene import Scene
@@ -20,9 +21,11 @@ from plumbline.harness.search.own_limits import ANSWERED, TOLERANCE, place_of
 from plumbline.harness.search.refined_ladder import start_name
 from plumbline.harness.statistics.student import Mean, mean_of
 from plumbline.harness.store.store import Store
-from plumbline.harness.trajectory import Floats
+from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.trajectory.kinematics import movable, rotate_back
-from plumbline.harness.trajectory.parting import Extent
+from plumbline.harness.trajectory.parting import Extent, apart, common
+
+_STATES = ("time", "p_WB", "q_WB", "v_WB", "w_WB")
 
 LAWS: Mapping[str, str] = {
     "energy_gain_max": "energy won",
@@ -62,14 +65,17 @@ class Outlook:
     """What an engine's perturbed starts come to beyond the horizon, as means with intervals.
 
     Terms:
-        since [s]: the horizon. starts: how many. dt [s], and the sub-steps that it was taken in. speed: root mean square of the
-        bodies' speed [sizes per second]. height: of the common centre of mass above its start [sizes]. spread: root mean square
-        distance of bodies from it [sizes]. last_speed: as speed, over the last tenth of the run.
+        parted [s]: from then on they lie apart by more than the tolerance and what gravity's tilt does to a free fall; None
+        where they never do. since [s]: from then on the means are taken. starts: how many. dt [s], and the sub-steps that it
+        was taken in. speed: root mean square of the bodies' speed [sizes per second]. height: of the common centre of mass
+        above its start [sizes]. spread: root mean square distance of bodies from it [sizes]. last_speed: as speed, over the
+        last tenth of the run.
     """
 
     case: str
     engine: str
     track: str
+    parted: float | None
     since: float
     starts: int
     dt: float
@@ -81,7 +87,7 @@ class Outlook:
 
 
 def horizon_of(agreement: Agreement) -> float:
-    """The time [s] from which poses say nothing any more: where the last limit of a side ends that is known at all."""
+    """The time [s] from which no pose is known any more: where the last limit of a side ends that is known at all."""
     return agreement.until if agreement.limit is not None else max((side.limit.until for side in agreement.sides), default=0.0)
 
 
@@ -91,8 +97,7 @@ def balances(store: Store, agreement: Agreement) -> list[Balance]:
     largest = float(agreement.scale.size.min(initial=np.inf))
     measured = []
     for side in agreement.sides:
-        answered = [rung for rung in side.limit.rungs if rung.run is not None]
-        mine = table[table["trial"] == answered[-1].trial] if answered else table[:0]
+        mine = table[:0] if side.limit.finest is None else table[table["trial"] == side.limit.finest.trial]
         for row in mine.to_dict("records"):
             value = float(row["value"])
             if row["metric"] in LAWS and np.isfinite(value):
@@ -121,6 +126,7 @@ def outlooks(store: Store, agreement: Agreement) -> list[Outlook]:
                 case=agreement.case,
                 engine=str(engine),
                 track=str(track),
+                parted=_parted(runs, scene, agreement.scale),
                 since=since,
                 starts=len(runs),
                 dt=float(members["dt"].iloc[0]),
@@ -129,6 +135,32 @@ def outlooks(store: Store, agreement: Agreement) -> list[Outlook]:
             )
         )
     return ensembles
+
+
+def foreseeable_until(agreement: Agreement, ensembles: Sequence[Outlook]) -> float | None:
+    """The time [s] from which poses cannot be foreseen: by then neighbouring starts have parted on most engines that people can
+    deploy, each on its tuned track where it has one. None where they stay together: what parts on few is theirs."""
+    ours = {side.engine for side in agreement.sides if side.ours}
+    by_engine: dict[str, float] = {}
+    for each in sorted(ensembles, key=lambda each: each.track != "tuned"):
+        if each.engine not in ours:
+            by_engine.setdefault(each.engine, np.inf if each.parted is None else each.parted)
+    ranked = sorted(by_engine.values())
+    most = ranked[len(ranked) // 2] if ranked else np.inf
+    return most if np.isfinite(most) else None
+
+
+def _parted(runs: Sequence[Mapping[str, Any]], scene: Scene, scale: Extent) -> float | None:
+    """When [s] the starts of an ensemble have parted from the first of them; None where they stay together.
+
+    Two starts differ by 2 `BUILT` of a width and of gravity's direction, and what flies is g t^2 / 2 times that off; as much
+    again where it rolls, since it turns then about a point no nearer than its radius of gyration.
+    """
+    first, *others = common([Trajectory(*(run[name] for name in _STATES)) for run in runs])
+    tilt = 4 * BUILT * (1.0 + float(np.linalg.norm(scene.gravity)) * first.time**2 / 2 / float(scale.size.min(initial=np.inf)))
+    far = np.max([apart(other, first, scale) for other in others], axis=0, initial=0.0)
+    beyond = np.flatnonzero(far > TOLERANCE + tilt)
+    return float(first.time[beyond[0]]) if len(beyond) else None
 
 
 def _numbers(run: Mapping[str, Any], scene: Scene, scale: Extent, since: float) -> dict[str, float]:

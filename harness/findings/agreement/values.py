@@ -5,7 +5,8 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 
-from plumbline.harness.search.own_limits import OwnLimit
+from plumbline.harness.scene import Scene
+from plumbline.harness.search.own_limits import TOLERANCE, OwnLimit
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.trajectory.parting import Extent
 
@@ -44,8 +45,8 @@ class Side:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Difference:
-    """Two camps. Terms: distance: of their sharpest members, as a share of the size, at `time` [s], the last that both are
-    known at; since [s]: from then on further than their bars; body: that lies apart most."""
+    """Two camps. Terms: distance: the largest of their sharpest members, as a share of the size, up to `time` [s], the last
+    that both are known at; since [s]: from then on further than their bars; body: that lies apart most."""
 
     one: str
     other: str
@@ -60,7 +61,8 @@ class Agreement:
     """What engines say of one scene.
 
     Terms:
-        case, where: the scene, and what differs from the case's own. duration [s]. scale: sizes of what moves.
+        case, where: the scene, and what differs from the case's own; scene: None where no engine was told it. duration [s].
+        scale: sizes of what moves.
         granted: share of the size that limits may lie apart beyond their bars.
         agreed: the camp whose limit is the truth here, '' where none is. until [s]: up to there it is known; bar: its error
         there, as a share of the size. limit: its poses, bars (t,) up to each sample; None without one.
@@ -78,6 +80,7 @@ class Agreement:
     bar: float | None = None
     limit: Trajectory | None = None
     bars: Floats | None = None
+    scene: Scene | None = None
 
     def members(self, camp: str) -> tuple[Side, ...]:
         """Those that stand in a camp, undecided ones left out."""
@@ -94,6 +97,11 @@ class Agreement:
         cosine = np.abs(np.sum(self.limit.q_WB * self.limit.q_WB[:1], axis=-1)).min(initial=1.0)
         turned = 2.0 * np.arccos(min(1.0, float(cosine)))
         return bool(moved <= least and turned <= max(self.bar or 0.0, np.sqrt(ROUNDING)))
+
+    @property
+    def moving(self) -> tuple[Side, ...]:
+        """Whose finest answer moves a body from its place, or turns it, by more than the tolerance."""
+        return tuple(side for side in self.sides if side.limit.farthest(self.scale) > TOLERANCE)
 
     @property
     def camps(self) -> tuple[str, ...]:

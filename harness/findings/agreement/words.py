@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from plumbline.harness.findings.agreement.perturbed_starts import LAWS, Balance, Outlook
+from plumbline.harness.findings.agreement.perturbed_starts import LAWS, Balance, Outlook, foreseeable_until
 from plumbline.harness.findings.agreement.values import Agreement, Side
 
 
@@ -16,12 +16,16 @@ def metres(value: float, agreement: Agreement) -> str:
     """A share of the size as a length: '5.63 µm', 'under 1 nm'; '' where wholes have sizes of their own."""
     if not value or not len(agreement.scale.size) or agreement.scale.size.min() < 0.999 * agreement.scale.largest:
         return ""
-    way = value * agreement.scale.largest
-    if way < 1e-9:
+    return distance_words(value * agreement.scale.largest)
+
+
+def distance_words(distance: float) -> str:
+    """A length [m] in the unit that suits it: '5.63 µm', 'under 1 nm'."""
+    if distance < 1e-9:
         return "under 1 nm"
     units = ((1.0, "m"), (1e3, "mm"), (1e6, "µm"), (1e9, "nm"))
-    by, unit = next(((by, unit) for by, unit in units if way * by >= 1), units[-1])
-    return f"{way * by:.3g} {unit}"
+    by, unit = next(((by, unit) for by, unit in units if distance * by >= 1), units[-1])
+    return f"{distance * by:.3g} {unit}"
 
 
 def length(value: float, agreement: Agreement) -> str:
@@ -64,6 +68,14 @@ def headline(agreement: Agreement, titles: Mapping[str, str]) -> str:
         in_metres = metres(bar, agreement)
         known = f"{share(bar)} of the size of what moves{f' ({in_metres})' if in_metres else ''}"
         return f"{listed(voters)} agree on one limit {until}, known to {known}."
+    fast = list(
+        dict.fromkeys(titles.get(side.engine, side.engine) for side in agreement.sides if side.limit.too_fast and not side.ours)
+    )
+    if fast:
+        return (
+            f"Whether there is one limit cannot be told yet: steps of {listed(fast)} draw together faster than the order of "
+            "the integrator, so that smaller ones are needed (--dt, --budget)."
+        )
     if not agreement.camps:
         return "No limit is agreed: no engine's answers draw together as its time step shrinks."
     camps = "; ".join(f"{letter}: {_called(agreement, letter, titles)}" for letter in agreement.camps)
@@ -76,13 +88,12 @@ def side_words(side: Side, agreement: Agreement) -> str:
     order = "" if convergence is None else "no order" if convergence.order is None else f"order {convergence.order:.2f}"
     if side.word in ("cannot", "diverged", "does not converge"):
         return f"{side.word} ({side.why})" if side.why else side.word
-    compared = min(side.limit.until, agreement.until) if agreement.agreed else side.limit.until
+    compared = min(side.limit.seen_until, agreement.until) if agreement.agreed else side.limit.until
     until = "" if compared >= 0.999 * agreement.duration else f", {_up_to(agreement, compared)}"
     until += f"; {side.why}" if side.why else ""
     if side.word == "converges elsewhere":
         since = "" if side.since is None else f" since {side.since:.3g} s"
-        adds = f"; it adds {listed(side.adds)}, which the scene does not call for" if side.adds else ""
-        return f"converges elsewhere ({order}{until}; {length(side.distance or 0.0, agreement)} away{since}{adds})"
+        return f"converges elsewhere ({order}{until}; {length(side.distance or 0.0, agreement)} away{since})"
     bar = side.limit.bar_at(compared) if side.limit.bar is not None else 0.0
     camp = f"; camp {' or '.join(side.camps)}" if side.word == "converges" and len(agreement.camps) > 1 else ""
     return f"{side.word} ({order}{until}; known to {length(bar, agreement)}{camp})"
@@ -94,16 +105,29 @@ STILL = "Nothing moves in it, so that engines have little to differ in: --scenar
 def scene_words(agreement: Agreement, titles: Mapping[str, str]) -> list[str]:
     """The headline, whether nothing moves, and the differences between camps."""
     lines = [headline(agreement, titles)]
-    if agreement.still:
+    if agreement.still and not agreement.moving:
         lines.append(STILL)
+    elif agreement.still:
+        movers = list(dict.fromkeys(f"{titles.get(side.engine, side.engine)} ({side.track})" for side in agreement.moving))
+        lines.append(f"In that limit nothing moves; it does on {listed(movers)}.")
     for gap in agreement.differences:
         if not agreement.agreed or agreement.agreed in (gap.one, gap.other):
             here, there = (_called(agreement, letter, titles) for letter in (gap.one, gap.other))
             lines.append(
-                f"Camp {gap.one} ({here}) and camp {gap.other} ({there}) part at {gap.since:.3g} s; at {gap.time:.3g} s "
-                f"they are {length(gap.distance, agreement)} apart, most at '{gap.body}'."
+                f"Camp {gap.one} ({here}) and camp {gap.other} ({there}) part at {gap.since:.3g} s; up to {gap.time:.3g} "
+                f"s they come to lie {length(gap.distance, agreement)} apart, most at '{gap.body}'."
             )
     return lines
+
+
+def present_words(agreement: Agreement, titles: Mapping[str, str]) -> list[str]:
+    """The effects that engines compute although the scene does not call for them: a list, and no cause of anything."""
+    by_effects: dict[tuple[str, ...], list[str]] = {}
+    for side in agreement.sides:
+        if side.adds:
+            by_effects.setdefault(side.adds, []).append(f"{titles.get(side.engine, side.engine)} {side.track}")
+    parts = [f"{listed(effects)} on {listed(sides)}" for effects, sides in by_effects.items()]
+    return [f"Computed although the scene does not call for it: {'; '.join(parts)}."] if parts else []
 
 
 def side_sentence(side: Side, agreement: Agreement, titles: Mapping[str, str]) -> str:
@@ -112,22 +136,35 @@ def side_sentence(side: Side, agreement: Agreement, titles: Mapping[str, str]) -
     return f"{titles.get(side.engine, side.engine)}, {side.track}{ours}: {side_words(side, agreement)}."
 
 
-def beyond_words(broken: Sequence[Balance], outlooks: Sequence[Outlook], titles: Mapping[str, str]) -> list[str]:
-    """What is judged where poses cannot be: the laws that a run breaks, and means over perturbed starts."""
+def beyond_words(
+    broken: Sequence[Balance], outlooks: Sequence[Outlook], agreement: Agreement, titles: Mapping[str, str]
+) -> list[str]:
+    """What is judged where poses cannot be: the laws that a run breaks, whether starts part, and means over them if they do."""
     lines = []
     for law, word in LAWS.items():
         sides = [balance for balance in broken if balance.law == law and balance.holds is False]
         if sides:
             values = [f"{titles.get(b.engine, b.engine)} {b.track} {b.value:.2g}" for b in sides]
             lines.append(f"Beyond a hundredth, {word}: {listed(values)}.")
-    if outlooks:
-        since, starts = outlooks[0].since, max(each.starts for each in outlooks)
+    parted = [each for each in outlooks if each.parted is not None]
+    if outlooks and not parted:
+        lines.append(f"Of {max(each.starts for each in outlooks)} perturbed starts on each engine all stay together.")
+    if parted:
+        when = listed([f"{titles.get(each.engine, each.engine)} {each.track} ({each.parted:.3g} s)" for each in parted])
+        until = foreseeable_until(agreement, outlooks)
+        if until is None:
+            lines.append(
+                f"Perturbed starts part on {when} and stay together on most engines: the motion can be foreseen, those answers "
+                "cannot."
+            )
+            return lines
+        lines.append(f"Perturbed starts part on {when}: beyond {until:.3g} s poses cannot be foreseen.")
         lines.append(
-            f"Beyond {since:.3g} s poses cannot be foreseen; of {starts} perturbed starts each: "
+            f"Means over {max(each.starts for each in parted)} of them from {parted[0].since:.3g} s on: "
             + "; ".join(
                 f"{titles.get(each.engine, each.engine)} {each.track} rms speed {_mean(each.speed)}, "
                 f"height {_mean(each.height)}, spread {_mean(each.spread)}"
-                for each in outlooks
+                for each in parted
             )
             + " (in sizes of what moves, and seconds)."
         )

@@ -4,9 +4,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
+from plumbline.harness.findings.prices import priced
+from plumbline.harness.findings.selection.decide import Decider, decider
 from plumbline.harness.findings.selection.doubt import Turn, turns
-from plumbline.harness.findings.selection.evidence import BOUND, Evidence, gather
-from plumbline.harness.findings.selection.rank import DRAWS, Rank, rank
+from plumbline.harness.findings.selection.evidence import Evidence, gather
+from plumbline.harness.findings.selection.rank import DRAWS, Rank, rank, resampled
 from plumbline.harness.findings.selection.wish import Dropped, Wish
 from plumbline.harness.store.store import Store
 
@@ -20,7 +22,7 @@ Alone = Literal["", "expresses", "left", "single"]
 class Answer:
     """wish: what was asked. evidence: it leans on. rank: of the engines left, None where none is. dropped: the others.
     undecided: requirements of which a bound leaves open whether an engine that is left meets them. turns: what would turn who
-    leads. draws: behind the shares. asked: how many engines could have been ranked."""
+    leads. decider: what would decide it, None where no single figure would. asked: how many engines could have been ranked."""
 
     wish: Wish
     evidence: Evidence
@@ -28,7 +30,7 @@ class Answer:
     dropped: tuple[Dropped, ...]
     undecided: tuple[Dropped, ...]
     turns: tuple[Turn, ...]
-    draws: int
+    decider: Decider | None = None
     asked: int
 
     @property
@@ -80,72 +82,82 @@ def _by_evidence(engine: str, evidence: Evidence) -> Dropped | None:
     return Dropped(engine=engine, requirement="evidence of half of what is compared", value=f"{100 * covered:.0f} %")
 
 
-def _by_prices(engine: str, evidence: Evidence, wish: Wish) -> Dropped | None:
-    """The first case in which an engine does not come to the error asked for, or not fast enough."""
-    for (case, name), price in evidence.costs.items():
-        if name != engine:
+def _by_error(store: Store, engine: str, evidence: Evidence, wish: Wish) -> Dropped | None:
+    """The first case in which an engine does not come to the error asked for, at whatever speed."""
+    if not wish.strict:
+        return None
+    for case in evidence.cases:
+        datum, speed = evidence.table.get(("accuracy", case, engine)), evidence.speeds.get((case, engine))
+        if datum is None or datum.value >= 1 or (speed is not None and speed.error <= wish.max_error):
             continue
-        if price.cost is None:
-            if wish.strict or wish.realtime is not None:
-                best = f"best {price.best_error:.2g}" if price.best_error is not None else price.reason
-                asked = f"error {wish.max_error:g} of the scale"
-                return Dropped(engine=engine, requirement=asked, value=best, case=case, trial=price.trial)
-        elif wish.realtime is not None and price.cost * wish.realtime > 1 and price.verdict != BOUND:
-            value = f"{1 / price.cost:.3g} times at an error of {price.target:g}"
-            return Dropped(
-                engine=engine, requirement=f"{wish.realtime:g} times real time", value=value, case=case, trial=price.trial
-            )
+        errors = [point.error for point in priced(store).points if (point.case, point.engine) == (case, engine)]
+        best = f"best {min(errors):.2g}" if errors else datum.says
+        if not errors or min(errors) > wish.max_error:
+            asked = f"error {wish.max_error:g} of the scale"
+            return Dropped(engine=engine, requirement=asked, value=best, case=case, trial=datum.trial)
+    return None
+
+
+def _by_speed(engine: str, evidence: Evidence, wish: Wish) -> Dropped | None:
+    """The first case in which an engine is not fast enough."""
+    for case in evidence.cases if wish.realtime is not None else ():
+        datum, speed = evidence.table.get(("speed", case, engine)), evidence.speeds.get((case, engine))
+        slow = speed is not None and wish.realtime is not None and speed.times < wish.realtime and not speed.bound
+        if datum is not None and (speed is None or slow):
+            asked = f"{wish.realtime:g} times real time"
+            return Dropped(engine=engine, requirement=asked, value=datum.says, case=case, trial=datum.trial)
     return None
 
 
 def _left_open(evidence: Evidence, wish: Wish, left: Sequence[str]) -> Iterator[Dropped]:
-    """Of each engine the first case in which it may be fast enough at the error asked for, at a coarser step than were run."""
+    """Of each engine the first case in which it may be fast enough at the error asked for, at a larger step than were run."""
     for engine in left:
-        for (case, name), price in evidence.costs.items():
-            if name != engine or wish.realtime is None or price.cost is None or price.verdict != BOUND:
-                continue
-            if price.cost * wish.realtime > 1:
-                value = (
-                    f"at least {1 / price.cost:.3g} times at an error of {price.target:g}, at the coarsest step that was run"
-                )
+        for (case, name), speed in evidence.speeds.items():
+            if name == engine and wish.realtime is not None and speed.bound and speed.times < wish.realtime:
                 asked = f"{wish.realtime:g} times real time"
-                yield Dropped(engine=engine, requirement=asked, value=value, case=case, trial=price.trial)
+                value = f"{speed.words}, and no larger step was run"
+                yield Dropped(engine=engine, requirement=asked, value=value, case=case, trial=speed.trial)
                 break
 
 
 def choose(store: Store, wish: Wish, draws: int = DRAWS) -> Answer:
-    """Args: draws: of scores, over cases, timings and weights."""
+    """Args: draws: resamples of cases, timings and weights."""
     if store.trials.empty:
-        return Answer(wish=wish, evidence=Evidence(), rank=None, dropped=(), undecided=(), turns=(), draws=draws, asked=0)
+        return Answer(wish=wish, evidence=Evidence(), rank=None, dropped=(), undecided=(), turns=(), asked=0)
     known = store.catalogue.get("engines", {})
     present = [str(engine) for engine in dict.fromkeys(store.trials["engine"])]
     ranked = [name for name in present if wish.with_reference or not known.get(name, {}).get("ours")]
     dropped = [drop for name in ranked if (drop := _of_the_engine(name, known.get(name, {}), wish)) is not None]
     left = _without(ranked, dropped)
     evidence = gather(store, wish, left)
-    dropped += [drop for name in left if (drop := _by_what_it_did(name, evidence, wish)) is not None]
+    dropped += [drop for name in left if (drop := _by_what_it_did(store, name, evidence, wish)) is not None]
     if len(_without(left, dropped)) < len(left):
         left = _without(left, dropped)
         evidence = gather(store, wish, left)
     counts = any(wish.weight(criterion) > 0 for criterion, _, _ in evidence.table)
-    order = rank(evidence, wish, draws) if left and counts else None
-    changes = turns(evidence, wish) if order is not None else ()
-    undecided = tuple(_left_open(evidence, wish, left))
+    samples = resampled(evidence, wish, draws) if left and counts else None
+    order = None if samples is None else rank(evidence, samples)
+    several = samples is not None and len(left) > 1
     return Answer(
         wish=wish,
         evidence=evidence,
         rank=order,
         dropped=tuple(dropped),
-        undecided=undecided,
-        turns=changes,
-        draws=draws,
+        undecided=tuple(_left_open(evidence, wish, left)),
+        turns=tuple(t for t in turns(evidence, wish) if t.first != order.places[0].engine) if order is not None else (),
+        decider=decider(store, evidence, samples) if samples is not None and several else None,
         asked=len(ranked),
     )
 
 
-def _by_what_it_did(engine: str, evidence: Evidence, wish: Wish) -> Dropped | None:
+def _by_what_it_did(store: Store, engine: str, evidence: Evidence, wish: Wish) -> Dropped | None:
     """The first requirement that an engine does not meet by what it did in the cases that count."""
-    return _by_expression(engine, evidence) or _by_evidence(engine, evidence) or _by_prices(engine, evidence, wish)
+    return (
+        _by_expression(engine, evidence)
+        or _by_evidence(engine, evidence)
+        or _by_error(store, engine, evidence, wish)
+        or _by_speed(engine, evidence, wish)
+    )
 
 
 def _without(engines: Sequence[str], dropped: Sequence[Dropped]) -> list[str]:

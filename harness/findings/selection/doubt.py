@@ -21,14 +21,9 @@ class Turn:
     first: str
 
 
-def _leader(evidence: Evidence, wish: Wish, today: str = "") -> str:
-    """Who has the best score; `today` as long as no other is ahead of it whatever the bounds stand for."""
+def _leader(evidence: Evidence, wish: Wish) -> str:
     found = scores(evidence, wish)
-    first = max(found, key=lambda engine: found[engine])
-    if not today or first == today:
-        return first
-    ahead = scores(evidence, wish, "low")[first] > scores(evidence, wish, "high")[today]
-    return first if ahead else today
+    return max(found, key=lambda engine: found[engine])
 
 
 def turns(evidence: Evidence, wish: Wish) -> tuple[Turn, ...]:
@@ -40,13 +35,13 @@ def _turns(evidence: Evidence, wish: Wish) -> Iterator[Turn]:
     today = _leader(evidence, wish)
     for criterion in CRITERIA:
         heavier = replace(wish, weights={**wish.weights, criterion: TIMES * wish.weight(criterion)})
-        if (then := _leader(evidence, heavier, today)) != today:
+        if (then := _leader(evidence, heavier)) != today:
             yield Turn(kind="criterion", name=criterion, first=then)
     for family in dict.fromkeys(evidence.families[case] for case in evidence.cases):
         cases = {case: weight * (TIMES if evidence.families[case] == family else 1) for case, weight in evidence.cases.items()}
-        if (then := _leader(replace(evidence, cases=cases), wish, today)) != today:
+        if (then := _leader(replace(evidence, cases=cases), wish)) != today:
             yield Turn(kind="family", name=family, first=then)
     for case in evidence.cases if len(evidence.cases) > 1 else ():
         fewer = {name: weight for name, weight in evidence.cases.items() if name != case}
-        if (then := _leader(replace(evidence, cases=fewer), wish, today)) != today:
+        if (then := _leader(replace(evidence, cases=fewer), wish)) != today:
             yield Turn(kind="case", name=case, first=then)

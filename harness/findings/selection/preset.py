@@ -28,11 +28,13 @@ class _Cases(BaseModel):
 
 
 class Preset(BaseModel):
-    """A wish with its reasons. match: a family, or a pattern of case names. why: of each, in words that can be argued with."""
+    """A wish with its reasons. order: among purposes, smallest first. match: a family, or a pattern of case names. why: of
+    each, in words that can be argued with."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
     title: str = Field(min_length=1)
+    order: int = 100
     why: str = Field(min_length=1)
     weights: dict[str, Weight] = {}
     cases: tuple[_Cases, ...] = Field(min_length=1)

@@ -5,10 +5,11 @@ from dataclasses import dataclass, field
 from fnmatch import fnmatchcase
 
 CRITERIA: Mapping[str, str] = {
-    "accuracy": "how far the worst check of a case is beyond its bound, at the case's own time step",
-    "price": "what the error asked for costs, over the cheapest engine left",
+    "accuracy": "1 up to the error asked for, 0 from ten times it on, on a log scale; other checks by their bounds",
+    "speed": "at the error asked for if steps on both sides of it were run, else of the cheapest run that passes all checks "
+    "(without one, of the most accurate); 1 for the fastest engine, 0 for a hundredth of its speed",
     "limits": "how far a case can be made harder before it breaks, from easy (0) to extreme (1)",
-    "robustness": "the share of runs with an answer: none diverged, crashed, hung or ran out of memory",
+    "robustness": "the share of runs with an answer, of three runs of a case or more: none diverged, crashed or hung",
     "determinism": "the share of repetitions with the same bits, of those that must have them",
     "capability": "the share of cases that the engine can express",
 }
@@ -21,10 +22,10 @@ class Wish:
 
     weights: by criterion, 0 or more; those left out weigh 1. cases: patterns of case names to weights; the first that matches
     counts, a case that none matches does not; all cases count alike where there is no pattern. features: that an engine has to
-    claim. max_error: the error that is priced, a share of each case's scale. strict: is an engine left out that does not reach
+    claim. max_error: the error asked for, a share of each case's scale. strict: is an engine left out that does not reach
     it in each case? realtime: how many times faster than real time it has to reach it; None for as slow as it likes. licences:
-    SPDX identifiers, of which an engine must have one. platform: that it must run on. with_reference: does our own engine, the
-    ruler, stand in the rank?"""
+    SPDX identifiers, of which an engine must have one. platform: that it must run on. with_reference: does the
+    reference engine stand in the rank?"""
 
     weights: Mapping[str, float] = field(default_factory=dict)
     cases: Mapping[str, float] = field(default_factory=dict)

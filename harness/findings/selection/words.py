@@ -1,19 +1,18 @@
 """The answer in sentences, for a terminal and for pages."""
 
+import math
 from collections.abc import Callable, Mapping, Sequence
-from itertools import groupby
 
 from plumbline.harness.findings.selection.choose import EXPRESSED, Answer
 from plumbline.harness.findings.selection.doubt import Turn
-from plumbline.harness.findings.selection.rank import Place
 from plumbline.harness.findings.selection.wish import Dropped
 
 Titled = Callable[[str], str]
 """From a name to what people call it."""
 
 SENTENCES: Mapping[str, str] = {
-    "first": "{engine} is first, in {share} of {draws} resamples.",
-    "level": "No clear winner between {engines}; share of {draws} resamples in which each is first: {shares}.",
+    "first": "{engine} is first in {share} of resamples; {second} is second.",
+    "open": "No clear winner: {engine} is first in {share} of resamples, {others}.",
     "expresses": "{engine} is the only engine that can express {scenes}, of {asked} asked: there is no contest.",
     "left": "{engine} is the only engine left, of {asked} asked: there is no contest.",
     "single": "{engine} alone was asked: there is no contest.",
@@ -23,45 +22,124 @@ SENTENCES: Mapping[str, str] = {
     "expressed": "{engine} is left out: it can express no scene that counts.",
 }
 """What the first sentence can be, and what follows it; the script of the page on selection fills in the same ones."""
-
-
-def _listed(names: list[str]) -> str:
-    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
-
-
+CLEAR = 0.5
+"""The share of resamples from which on the first engine is named alone: it leads more often than all others together."""
 FEW = 8
 """Cases below which a bootstrap over them says little: of seven the most that one can weigh is a seventh."""
+CERTAIN = 0.95
+"""The share of resamples from which on nothing has to be decided."""
+TRADED, FASTER = 0.05, 1.1
+"""How far apart two engines' means of a criterion have to be for it to be phrases, and the ratio of their speeds."""
+
+
+def _listed(names: Sequence[str], last: str = "and") -> str:
+    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} {last} {names[-1]}"
 
 
 def headline(answer: Answer, titled: Titled) -> str:
-    """Who is first, how surely, who shares the place, and on how few cases, where they stand for others than the user's own.
+    """Who is first, how surely, who is second, and on how few cases, where they stand for others than the user's own.
 
     Where there is nobody to be first of, it says so in place of a share.
 
     Args: titled: an engine's name to its title."""
-    first, count = _first(answer, titled), len(answer.evidence.cases)
+    first, count = who_leads(answer, titled), len(answer.evidence.cases)
     if answer.rank is None or answer.alone or count >= FEW or answer.evidence.cases.keys() <= answer.evidence.own:
         return first
     return f"{first} {SENTENCES['few'].format(cases='1 case' if count == 1 else f'{count} cases')}"
 
 
-def _first(answer: Answer, titled: Titled) -> str:
+def who_leads(answer: Answer, titled: Titled) -> str:
+    """The same without the number of cases."""
     if answer.rank is None:
         return SENTENCES["none" if answer.dropped else "unknown"]
-    groups = [list(group) for _, group in groupby(answer.rank.places, key=lambda place: place.number)]
-    first = groups[0]
+    first, *others = answer.rank.places
     if answer.alone:
         scenes = "this scene" if len(answer.evidence.cases) == 1 else "these scenes"
-        return SENTENCES[answer.alone].format(engine=titled(first[0].engine), scenes=scenes, asked=answer.asked)
-    if len(first) == 1:
-        return SENTENCES["first"].format(engine=titled(first[0].engine), share=_percent(first[0]), draws=answer.draws)
-    names = _listed([titled(place.engine) for place in first])
-    shares = ", ".join(f"{titled(place.engine)} {_percent(place)}" for place in first)
-    return SENTENCES["level"].format(engines=names, draws=answer.draws, shares=shares)
+        return SENTENCES[answer.alone].format(engine=titled(first.engine), scenes=scenes, asked=answer.asked)
+    if first.first > CLEAR:
+        second = titled(others[0].engine)
+        return SENTENCES["first"].format(engine=titled(first.engine), share=percent(first.first), second=second)
+    rest = ", ".join(f"{titled(entry.engine)} in {percent(entry.first)}" for entry in others)
+    return SENTENCES["open"].format(engine=titled(first.engine), share=percent(first.first), others=rest)
 
 
-def _percent(place: Place) -> str:
-    return f"{100 * place.first:.0f} %"
+def percent(share: float) -> str:
+    """'83 %'."""
+    return f"{math.floor(100 * share + 0.5)} %"
+
+
+LEAST_ERROR = 1e-5
+"""Share of the scale below which an error is said to be less than this."""
+
+
+def error_percent(error: float) -> str:
+    """'0.8 %' of an error as a share of the scale."""
+    return f"<{100 * LEAST_ERROR:g} %" if error < LEAST_ERROR else f"{float(f'{100 * error:.2g}'):g} %"
+
+
+_BETTER: Mapping[str, str] = {
+    "accuracy": "errs less",
+    "limits": "holds harder cases",
+    "robustness": "fails to answer less often",
+    "determinism": "repeats the same bits more often",
+    "capability": "can express more of the scenes",
+}
+
+
+def trade(answer: Answer, titled: Titled) -> str:
+    """What the first two engines trade: 'MuJoCo is 3x faster; DART errs less (6 of 7 cases within 1 %, MuJoCo 4).'; '' if
+    nothing sets them apart. Args: titled: an engine's name to its title."""
+    if answer.rank is None or len(answer.rank.places) < 2:
+        return ""
+    pair = answer.rank.places[:2]
+    parts: dict[str, list[str]] = {entry.engine: [] for entry in pair}
+    for name in answer.rank.counted:
+        better, worse = sorted(pair, key=lambda entry: -entry.by_criterion[name])
+        if better.by_criterion[name] - worse.by_criterion[name] >= TRADED:
+            words = _faster(answer, better.engine, worse.engine) if name == "speed" else _BETTER[name]
+            if name == "accuracy":
+                within = [_within(answer, entry.engine) for entry in (better, worse)]
+                cases = f"{within[0]} of {answer.rank.counted[name]} cases within {100 * answer.wish.max_error:g} %"
+                words += f" ({cases}, {titled(worse.engine)} {within[1]})" if within[0] > within[1] else ""
+            if words:
+                parts[better.engine].append(words)
+    phrases = [f"{titled(engine)} {_listed(mine)}" for engine, mine in parts.items() if mine]
+    return f"{'; '.join(phrases)}." if phrases else ""
+
+
+def _faster(answer: Answer, fast: str, slow: str) -> str:
+    """'is 3x faster' by the geometric mean of both engines' speeds; '' if that says otherwise."""
+    speeds = answer.evidence.speeds
+    logs = [
+        math.log(speeds[case, fast].times / speeds[case, slow].times)
+        for case, name in speeds
+        if name == fast and (case, slow) in speeds
+    ]
+    if not logs:
+        return "passes cases that the other does not"
+    times = math.exp(sum(logs) / len(logs))
+    return f"is {times:.2g}\N{MULTIPLICATION SIGN} faster" if times >= FASTER else ""
+
+
+def _within(answer: Answer, engine: str) -> int:
+    table = answer.evidence.table.items()
+    return sum((of, name) == ("accuracy", engine) and datum.value >= 1 for (of, _, name), datum in table)
+
+
+def decisive(answer: Answer, titled: Titled, called: Titled) -> tuple[str, str]:
+    """What would decide it, and the command that measures it; ('', '') where nothing has to be decided, and no command where no
+    single figure would. Args: titled: an engine's name to its title. called: that of a case."""
+    if answer.rank is None or answer.alone or answer.rank.places[0].first >= CERTAIN:
+        return "", ""
+    decider = answer.decider
+    if decider is None:
+        return "No single figure of this run would decide it: it rests on which cases count.", ""
+    what = "speed" if decider.criterion == "speed" else "limit"
+    took = f"{decider.runs} run{'' if decider.runs == 1 else 's'} of it here took {decider.seconds:.2g} s"
+    return (
+        f"What would decide it: the {what} of {titled(decider.engine)} in “{called(decider.case)}” ({took}).",
+        decider.command,
+    )
 
 
 def turn_sentences(turns: Sequence[Turn], titled: Titled, called: Titled) -> list[str]:
@@ -75,10 +153,10 @@ def turn_sentences(turns: Sequence[Turn], titled: Titled, called: Titled) -> lis
         left_out = [f"“{called(turn.name)}”" for turn in mine if turn.kind == "case"]
         if doubled:
             either = doubled[0] if len(doubled) == 1 else f"{', '.join(doubled[:-1])} or {doubled[-1]}"
-            sentences.append(f"{titled(first)} if {either} counted double.")
+            sentences.append(f"If {either} counted double, {titled(first)} would be first.")
         if left_out:
             either = left_out[0] if len(left_out) == 1 else f"one of {', '.join(left_out)}"
-            sentences.append(f"{titled(first)} without {either}.")
+            sentences.append(f"Without {either}, {titled(first)} would be first.")
     return sentences
 
 

@@ -14,6 +14,7 @@ from typing import Any
 import pandas as pd
 
 from plumbline.harness.findings.sensor_readings.channel import RAYS, Channel, channels, rays_of
+from plumbline.harness.findings.sensor_readings.converged import converged_readings
 from plumbline.harness.findings.sensor_readings.depth import Levels, depth_levels, depth_noise
 from plumbline.harness.findings.sensor_readings.ideal import Errors, ideal_errors
 from plumbline.harness.findings.sensor_readings.inertial import Allan, allan_curve, inertial_noise
@@ -178,7 +179,7 @@ def _of_trial(
         yield plain
         return
     try:
-        arrays = store.trajectory(row["trajectory_hash"])
+        arrays = {**converged_readings(store, plain.case), **store.trajectory(row["trajectory_hash"])}
         scene = parse(str(arrays["scene"]))
     except (StoreError, KeyError, ValueError) as error:
         yield replace(plain, reason=f"{plain.reason}; {error}".lstrip("; "))

@@ -21,7 +21,9 @@ from plumbline.harness.findings.agreement import (
     outlooks,
     scenes_to_judge,
 )
-from plumbline.harness.findings.agreement.words import beyond_words, scene_words, side_sentence
+from plumbline.harness.findings.agreement.happened import end_words, happened_words, happenings
+from plumbline.harness.findings.agreement.setting_causes import cause_words, settings_turned
+from plumbline.harness.findings.agreement.words import beyond_words, present_words, scene_words, side_sentence
 from plumbline.harness.findings.columns import Column, Row, Table, known, plain
 from plumbline.harness.store.store import Store
 
@@ -43,7 +45,11 @@ def _verdicts(store: Store) -> list[dict[str, Any]]:
         lost = omissions(store, agreement)
         summary = [
             *scene_words(agreement, titles),
-            *beyond_words(balances(store, agreement), outlooks(store, agreement), titles),
+            *happened_words(happenings(store, agreement), agreement, titles),
+            *cause_words(settings_turned(store, agreement), agreement, titles),
+            *present_words(agreement, titles),
+            *end_words(happenings(store, agreement), store, agreement, titles),
+            *beyond_words(balances(store, agreement), outlooks(store, agreement), agreement, titles),
             *omission_words(lost, titles),
         ]
         by_side = {(omission.engine, omission.track): omission for omission in lost}
@@ -74,7 +80,7 @@ def _row(
     """One engine on one track.
 
     Terms:
-        where: parameters, as JSON, if not the case's own. ours: is it our own engine, which has no vote? verdict: agrees,
+        where: parameters, as JSON, if not the case's own. ours: is it the reference engine, which has no vote? verdict: agrees,
         converges elsewhere, converges (where no limit is agreed), does not converge, diverged, cannot; why: of the last three.
         order: of convergence, None without one. bar: of its own limit, a share of the size; known_until [s]: up to there.
         horizon [s]: up to there its last halving moves the answer by no more than a hundredth. camp: a letter, several where it

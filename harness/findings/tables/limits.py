@@ -41,7 +41,7 @@ def _setting(row: Row) -> str:
 
 
 def _sentences(rows: Sequence[Row]) -> list[str]:
-    """Axis by axis and sub-step by sub-step, who goes farthest of the engines that people can deploy, the ruler beside them.
+    """Axis by axis and sub-step by sub-step, who goes farthest of the engines that people can deploy, and the reference engine.
 
     Leads are counted by the table `farthest`.
     """
@@ -58,7 +58,7 @@ def _sentences(rows: Sequence[Row]) -> list[str]:
         best = [row for row in ranked if row["reach"] >= farthest - 1e-9 and row["held"] is not None]
         names = ", ".join(f"{row['engine']} ({_setting(row)})" for row in best) or "nobody"
         value = best[0]["held"] if best else None
-        beside = "" if mine is None else f"; {REFERENCE}, the yardstick, {amount(mine['held'], 'no value')}"
+        beside = "" if mine is None else f"; {REFERENCE}, not ranked, {amount(mine['held'], 'no value')}"
         name = f"{case} {where}".strip() + (f", sub-step dt/{parts}" if parts else ", as tracks come")
         lines.append(f"{name}: {axis} up to {amount(value, 'no value')}: {names}{beside}.")
     return lines

@@ -1,6 +1,8 @@
 """From a file of any format to a scene: format by its ending, companion beside it, then merged, posed, joined and told."""
 
-from collections.abc import Mapping
+import gc
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
@@ -35,6 +37,19 @@ from plumbline.harness.scene.importers.ties import tied, untied
 from plumbline.harness.scene.importers.units import scaled, suspected
 
 
+@contextmanager
+def _uncollected() -> Iterator[None]:
+    """Without the collector of cycles, of which what is read has none: it would go through all of it again and again."""
+    enabled = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if enabled:
+            gc.enable()
+
+
+@_uncollected()
 def read(path: Path, wishes: Wishes | None = None, companion: Companion | None = None) -> Imported:
     """The scene of one of our own files or of a robot file, with what became of each element.
 

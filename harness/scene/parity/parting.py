@@ -1,17 +1,16 @@
 """Two robots under the same torques: the commands, and the first instant and joint at which the two part."""
 
-import csv
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from plumbline.harness.intake.documents import named
-from plumbline.harness.intake.refusal import RobotError, listed
+from plumbline.harness.intake.refusal import RobotError
 from plumbline.harness.intake.safe_text import quoted
-from plumbline.harness.scene.importers.files import text_of
+from plumbline.harness.scene.importers.commands import read_log
 from plumbline.harness.scene.importers.poses import Array
+from plumbline.harness.scene.importers.replay import near_miss
 from plumbline.harness.scene.parity.facts import RobotFacts
 from plumbline.harness.scene.parity.motion import Configuration, dynamics, first_rates
 
@@ -55,8 +54,19 @@ class Parting:
     farthest_unit: str = ""
 
 
-def motion_of(name: str, robot: RobotFacts, at: Configuration, gravity: Array, duration: float) -> Motion:
-    """The motion by one of MOVES, or by a CSV file with a column `time` [s] and one a joint [N m or N], joined by lines.
+def motion_of(
+    name: str,
+    robot: RobotFacts,
+    at: Configuration,
+    gravity: Array,
+    duration: float,
+    *,
+    replay: bool = False,
+    held: bool = False,
+) -> Motion:
+    """The motion by one of MOVES, or by a log with a column `time` [s] and one a joint [N m or N].
+
+    Args: replay: the log says ':torque' of its columns, as in a run; else all are. held: between samples; else joined by lines.
 
     A sinusoid is as large as gravity's torque on the joint in the given configuration, no less than a hundredth of the weight
     at a metre and no more than half of the joint's effort; frequencies lie between 0.5 and 1 Hz, no two in the same ratio.
@@ -65,7 +75,7 @@ def motion_of(name: str, robot: RobotFacts, at: Configuration, gravity: Array, d
     """
     times: Array = np.arange(round(duration / DT), dtype=np.float64) * DT
     torques = np.zeros((len(times), len(robot.joints)))
-    if name == "sines":
+    if name == "sines" and not replay:
         weights = np.abs(dynamics(robot, Configuration(at.q, at.turned, np.zeros_like(at.rates)), gravity).bias)
         least = 0.01 * sum(solid.mass for solid in robot.masses.values()) * float(np.linalg.norm(gravity))
         for k, (joint, first) in enumerate(zip(robot.joints, first_rates(robot), strict=False)):
@@ -74,32 +84,24 @@ def motion_of(name: str, robot: RobotFacts, at: Configuration, gravity: Array, d
                 frequency = _SLOWEST * (1 + (k * _GOLDEN) % 1)
                 size = min(max(float(weights[first]), least), bound)
                 torques[:, k] = size * np.sin(2 * np.pi * frequency * times)
-    elif name != "drop":
-        _fill(torques, times, Path(name), robot)
+    elif replay or name != "drop":
+        _fill(torques, times, Path(name), robot, moving=("torque",) if replay else ("position", "torque"), held=held)
     return Motion(gravity=gravity, start=at.q, torques=torques)
 
 
-def _fill(torques: Array, times: Array, path: Path, robot: RobotFacts) -> None:
-    where = named(path)
-    rows = list(csv.reader(text_of(path, where).splitlines()))
-    known = [joint.name for joint in robot.joints if joint.kind in _SCALAR]
-    head = [cell.strip() for cell in rows[0]] if rows else []
-    if len(rows) < 2 or head[:1] != ["time"]:
-        raise RobotError(
-            f"{where}: line 1: expected a column 'time' and one for each joint that is driven, and lines of numbers"
-        )
-    for name in head[1:]:
-        if name not in known or head.count(name) > 1:
-            raise RobotError(f"{where}: line 1: {quoted(name, 80)}, expected each of {listed(known, 12)} at most once")
-    try:
-        numbers = np.array([[float(cell) for cell in row] for row in rows[1:]])
-    except ValueError:
-        raise RobotError(f"{where}: expected {len(head)} numbers in each line after the first") from None
-    if numbers.shape[1:] != (len(head),) or not np.isfinite(numbers).all() or (np.diff(numbers[:, 0]) <= 0).any():
-        raise RobotError(f"{where}: expected {len(head)} finite numbers in each line, with times that grow")
-    places = {joint.name: k for k, joint in enumerate(robot.joints)}
-    for column, name in enumerate(head[1:], 1):
-        torques[:, places[name]] = np.interp(times, numbers[:, 0], numbers[:, column])
+def _fill(torques: Array, times: Array, path: Path, robot: RobotFacts, *, moving: tuple[str, ...], held: bool) -> None:
+    log = read_log(path)
+    places = {joint.name: k for k, joint in enumerate(robot.joints) if joint.kind in _SCALAR}
+    for (name, quantity), values in log.columns.items():
+        if name not in places:
+            raise RobotError(f"{log.source}: column {quoted(name, 80)} is no joint of the file{near_miss(name, list(places))}")
+        if quantity not in moving:
+            column = quoted(name, 80)
+            raise RobotError(f"{log.source}: column {column} is a {quantity}; torques move both, expected '{name}:torque'")
+        if held:
+            torques[:, places[name]] = np.array(values)[np.clip(np.searchsorted(log.time, times, "right") - 1, 0, None)]
+        else:
+            torques[:, places[name]] = np.interp(times, log.time, values)
 
 
 def parting(robot: RobotFacts, a: Array, b: Array) -> Parting:

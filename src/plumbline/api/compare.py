@@ -5,14 +5,17 @@ from os import PathLike
 from pathlib import Path
 from typing import Unpack
 
+from plumbline.api.arguments import checked, within
 from plumbline.api.engines import chosen_engines
 from plumbline.api.present import present
 from plumbline.api.results import Results
 from plumbline.api.sources import ImportOptions, Source, case_of, is_case, refuse_two_frictions
 from plumbline.api.studies import study_and_cases
 from plumbline.harness.intake.safe_text import quoted
+from plumbline.harness.scene import Scene
 
 
+@checked
 def compare(
     what: Source,
     engines: Sequence[str] = (),
@@ -39,7 +42,7 @@ def compare(
         cases: of a study, patterns of the cases to run; all if empty.
         out: the run folder.
         duration, dt [s]: of a scene or robot; the coarsest step of its ladder of time steps.
-        budget [s]: CPU time of that ladder, 90 s if None.
+        budget [s]: CPU time of that ladder, 120 s if None.
         workers: accuracy runs side by side; timing runs take turns.
         resume: keep what the folder holds of the same study and still stands; False refuses a folder that holds a run.
         report: write the HTML report and, if the study has them, the recordings, beside the summary.
@@ -52,6 +55,8 @@ def compare(
     from plumbline.harness.study.experiment import StudyError
     from plumbline.harness.study.own_scene import study_of
 
+    within("workers", workers, 1, 1024)
+    within("budget [s]", budget, 0, 1e7)
     folder, adapters = Path(out), chosen_engines(engines, install)
     if is_study(what):
         given = [name for name, value in (("duration", duration), ("dt", dt), ("budget", budget)) if value is not None]
@@ -75,7 +80,6 @@ def compare(
 def is_study(what: Source) -> bool:
     """Is it a study? By its name, which has no ending, or as a TOML file without bodies. Raises: PlumblineError."""
     from plumbline.harness.intake.documents import document
-    from plumbline.harness.scene import Scene
 
     if isinstance(what, Scene):
         return False

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
+from plumbline.api.arguments import checked, within
 from plumbline.api.frames import described
 from plumbline.api.results import Results, open_results
 from plumbline.harness.findings.selection import CRITERIA, PresetError, Wish, choose, read_preset
@@ -47,6 +48,7 @@ class Ranking:
         return described("ranking", pd.DataFrame(rows, columns=names))
 
 
+@checked
 def select(
     results: Results | str | PathLike[str],
     need: Sequence[str] = (),
@@ -66,12 +68,12 @@ def select(
     Args:
         results: of `compare`, `open` or `published`, or the path of a run folder.
         need: families or patterns of cases that count, like "friction"; all if empty.
-        error: that is priced, a share of a case's scale; 0.01 if None. strict: leave out engines that do not reach it in each
+        error: asked for, a share of a case's scale; 0.01 if None. strict: leave out engines that do not reach it in each
             case.
         realtime: how many times faster than real time at that error.
         features: that an engine has to have. licences: SPDX identifiers, of which it has one. platform: like "linux-x86_64".
         weights: of criteria, 0 or more; 1 if not given. preset: weights and cases of a purpose: games, legged, manipulation,
-            rl-throughput, sensors, teaching, or the path of a file.
+            rl-throughput, sensors, teaching, vehicles, or the path of a file.
         with_reference: rank the reference engine too.
     Raises: PlumblineError, with what was given and what was expected.
     """
@@ -80,9 +82,8 @@ def select(
     for name, weight in (weights or {}).items():
         if name not in CRITERIA or not 0 <= weight <= 1000:
             raise PresetError(f"weights: {quoted(name)}: {weight}, expected 0..1000 for some of {', '.join(CRITERIA)}")
-    for name, value in (("error", error), ("realtime", realtime)):
-        if value is not None and not 0 < value <= (1 if name == "error" else float("inf")):
-            raise PresetError(f"{name}: {value}, expected above 0{' and at most 1' if name == 'error' else ''}")
+    within("error", error, 1e-12, 1.0)
+    within("realtime", realtime, 1e-12, 1e12)
     wish = merged(
         base,
         cases=_counted(store, need),

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pandas as pd
 
+from plumbline.api.arguments import checked
 from plumbline.api.frames import described
 from plumbline.harness.findings import tables
 from plumbline.harness.intake.near_miss import did_you_mean
@@ -86,6 +87,7 @@ class Results:
         return build(self.folder).index
 
 
+@checked
 def open_results(folder: str | PathLike[str]) -> Results:
     """The run folder that `compare`, or `plumbline run` on the command line, wrote.
 

@@ -6,6 +6,9 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, Unpack
 
+import numpy as np
+
+from plumbline.api.arguments import checked
 from plumbline.api.engines import chosen_engines
 from plumbline.api.motion import Run
 from plumbline.api.sources import ImportOptions, Source, case_of
@@ -20,6 +23,7 @@ if TYPE_CHECKING:
     from plumbline.harness.study.trial import Trial
 
 
+@checked
 def run(
     what: Source,
     engine: str = "mujoco",
@@ -94,7 +98,7 @@ def _trial(
         "dt": [settings["dt"]],
         "deadline": settings["deadline"],
         "memory": settings["memory"],
-        "parameters": {name: [value] for name, value in parameters.items()},
+        "parameters": {name: [_plain(value)] for name, value in parameters.items()},
         "timing": False,
     }
     try:
@@ -107,6 +111,10 @@ def _trial(
     if excess := too_much(case, trial.scene(case), trial.settings.dt, every_step=True):
         raise StudyError(f"run: {excess}")
     return trial
+
+
+def _plain(value: Any) -> Any:
+    return value.item() if isinstance(value, np.generic) else value
 
 
 def _here(trial: "Trial", case: "Case", adapter: "Adapter", folder: Path) -> "Record":

@@ -8,20 +8,21 @@ from typing import TYPE_CHECKING, TypeAlias, TypedDict, Unpack
 
 from pydantic import TypeAdapter
 
+from plumbline.api.arguments import checked, within
 from plumbline.harness.intake.documents import named
 from plumbline.harness.intake.import_wishes import Drop, Root, Scenario, Start, Wishes
 from plumbline.harness.intake.near_miss import did_you_mean
 from plumbline.harness.intake.refusal import RobotError
 from plumbline.harness.intake.safe_text import quoted
 from plumbline.harness.intake.typed_fields import FieldError, filled
+from plumbline.harness.scene import Scene
 
 if TYPE_CHECKING:
     from plumbline.harness.adapter import Adapter
     from plumbline.harness.case import Case
-    from plumbline.harness.scene import Scene
     from plumbline.harness.scene.importers.imported import Imported
 
-Source: TypeAlias = "Scene | Path | str"
+Source: TypeAlias = Scene | Path | str
 """A scene, the path of a scene or robot file, or the name of a case."""
 
 
@@ -61,7 +62,6 @@ def is_case(what: Source) -> bool:
 
 def imported(what: Source, options: ImportOptions) -> "Imported":
     """A scene, or that of a file, with what became of each of its elements. Raises: PlumblineError."""
-    from plumbline.harness.scene import Scene
     from plumbline.harness.scene.importers.imported import Imported
     from plumbline.harness.scene.importers.reading import read
 
@@ -72,7 +72,8 @@ def imported(what: Source, options: ImportOptions) -> "Imported":
     return read(Path(what), _wishes(options))
 
 
-def load(what: Source, **options: Unpack[ImportOptions]) -> "Scene":
+@checked
+def load(what: Source, **options: Unpack[ImportOptions]) -> Scene:
     """The scene of a scene or robot file (TOML, JSON, URDF, MJCF, SDF), or of a case by its name.
 
     Args: options: of robot files, as `plumbline run` has them: root, scenario, start, drop, packages, convex, one_friction,
@@ -95,9 +96,8 @@ def case_of(what: Source, folder: Path, duration: float | None, dt: float | None
     from plumbline.harness.store.imported_scenes import keep
     from plumbline.harness.study import plugins
 
-    for name, value, most in (("duration", duration, 1e6), ("dt", dt, 1.0)):
-        if value is not None and not (isinstance(value, int | float) and 1e-9 <= value <= most):
-            raise RobotError(f"{name}: {quoted(value)}, expected seconds from 1e-09 to {most:g}")
+    within("duration [s]", duration, 1e-9, 1e6)
+    within("dt [s]", dt, 1e-9, 1.0)
     if not is_case(what):
         wished = {name: value for name, value in (("duration", duration), ("dt", dt)) if value is not None}
         path = keep(folder, replace(imported(what, options), **wished))  # type: ignore[arg-type]
@@ -113,7 +113,7 @@ def case_of(what: Source, folder: Path, duration: float | None, dt: float | None
     return case
 
 
-def refuse_two_frictions(file: str, scene: "Scene", adapters: "Mapping[str, Adapter]") -> None:
+def refuse_two_frictions(file: str, scene: Scene, adapters: "Mapping[str, Adapter]") -> None:
     """Refuse a scene whose static friction lies above its kinetic friction if an engine has one coefficient alone.
 
     Raises: RobotError.

@@ -1,7 +1,7 @@
 """Every bound of every case, at the case's own step and parameters, is still what it was: nothing is widened unseen.
 
-A bound that is changed on purpose is written anew by `PLUMBLINE_GOLDEN=write pytest tests/golden/test_bounds.py`, and the
-message of the commit says why: the file stands beside the case in its difference.
+A bound that is changed on purpose is written anew by `PLUMBLINE_GOLDEN=write pytest tests/golden/test_golden_bounds.py`, and
+the message of the commit says why: the file stands beside the case in its difference.
 """
 
 import json

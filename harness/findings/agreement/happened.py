@@ -1,0 +1,182 @@
+"""What happened to the bodies of a scene without a truth, engine by engine, and which engines differ in it."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+
+from plumbline.harness.findings.agreement.values import Agreement
+from plumbline.harness.findings.agreement.words import distance_words, listed
+from plumbline.harness.scene import Scene
+from plumbline.harness.scene.file import parse
+from plumbline.harness.store.store import Store
+from plumbline.harness.trajectory import Trajectory
+from plumbline.harness.trajectory.events import MOVED, Event, Kind, Touched, happened, size_of
+
+_END = 0.01
+"""Of the run: a time so near its end is the end, and none is named."""
+ALIKE = 0.1
+"""Of a distance or of the run: what two engines' events may differ by and be called alike, as wide as what words tell."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Happened:
+    """What happened alike on several sides. Terms: sides: (engine, track); events: of the first of them."""
+
+    sides: tuple[tuple[str, str], ...]
+    events: tuple[Event, ...]
+
+
+@lru_cache(maxsize=512)
+def events_of(store: Store, trial: str) -> tuple[Event, ...]:
+    """Of one run of the store."""
+    (name,) = store.trials.loc[store.trials["trial"] == trial, "trajectory_hash"]
+    arrays = store.trajectory(str(name))
+    time, p_WB, q_WB, v_WB, w_WB = (arrays[key] for key in ("time", "p_WB", "q_WB", "v_WB", "w_WB"))
+    run = Trajectory(time, p_WB, q_WB, v_WB, w_WB)
+    return happened(parse(str(arrays["scene"]), "scene.json"), run, Touched.of(arrays))
+
+
+def happenings(store: Store, agreement: Agreement) -> list[Happened]:
+    """In the finest run of each side, those alike together: the largest group of engines that people can deploy first."""
+    groups: list[Happened] = []
+    if agreement.scene is None:
+        return groups
+    for side in sorted(agreement.sides, key=lambda side: (side.ours, not side.votes, side.camps != (agreement.agreed,))):
+        if (rung := side.limit.finest) is None:
+            continue
+        events = events_of(store, rung.trial)
+        for index, group in enumerate(groups):
+            if alike(group.events, events, agreement.duration, agreement.scene):
+                groups[index] = Happened(sides=(*group.sides, (side.engine, side.track)), events=group.events)
+                break
+        else:
+            groups.append(Happened(sides=((side.engine, side.track),), events=events))
+    ours = {side.engine for side in agreement.sides if side.ours}
+    return sorted(groups, key=lambda group: -len({engine for engine, _ in group.sides} - ours))
+
+
+def alike(some: Sequence[Event], others: Sequence[Event], duration: float, scene: Scene) -> bool:
+    """Did the same happen, at about the same times and about as far?"""
+    keyed = [{(event.body, event.kind, event.other): event for event in events} for events in (some, others)]
+    return keyed[0].keys() == keyed[1].keys() and not any(
+        _unlike(event, keyed[1][key], duration, scene) for key, event in keyed[0].items()
+    )
+
+
+def _unlike(event: Event, other: Event, duration: float, scene: Scene) -> bool:
+    if abs(event.time - other.time) > ALIKE * duration or abs(event.count - other.count) > max(1, ALIKE * event.count):
+        return True
+    if event.value is None or other.value is None:
+        return False
+    least = ALIKE if event.kind == "tipped" else MOVED * size_of(scene, scene.index(event.body))
+    return abs(event.value - other.value) > max(least, ALIKE * max(event.value, other.value))
+
+
+_WORDS: Mapping[Kind, str] = {
+    "passed through": "passes through '{other}' at {time}",
+    "bounced": "bounces {times}, first by {value} at {time}",
+    "left the ground": "leaves the ground at {time}, by {value} at most",
+    "fell off": "falls off '{other}' at {time}, by {value}",
+    "tipped": "tips over at {time}",
+    "rolled": "rolls away by {value}",
+    "slid": "slides by {value}",
+    "moved": "moves by {value}",
+    "hit the stop": "hits the stop of '{other}' at {time}",
+    "at rest": "is at rest from {time} on",
+}
+
+
+def event_words(event: Event) -> str:
+    """'bounces 9 times, first by 245 mm at 0.32 s'."""
+    if event.kind == "at rest" and event.time == 0.0:
+        return "stays where it is"
+    value = "" if event.value is None else distance_words(event.value)
+    times = "once" if event.count == 1 else f"{event.count} times"
+    return _WORDS[event.kind].format(other=event.other, time=f"{event.time:.3g} s", value=value, times=times)
+
+
+def body_words(events: Sequence[Event]) -> str:
+    """'ball bounces 9 times, ..., is at rest from 2 s on'; bodies to which the same happened together."""
+    by_body: dict[str, list[str]] = {}
+    for event in events:
+        by_body.setdefault(event.body, []).append(event_words(event))
+    together: dict[str, list[str]] = {}
+    for body, words in by_body.items():
+        together.setdefault(", ".join(words), []).append(f"'{body}'")
+    return "; ".join(f"{listed(bodies)}{' each' * (len(bodies) > 1)} {words}" for words, bodies in together.items())
+
+
+def happened_words(groups: Sequence[Happened], agreement: Agreement, titles: Mapping[str, str]) -> list[str]:
+    """What happened on most engines, then in what others differ."""
+    if not groups:
+        return []
+    first, *others = groups
+    sentence = body_words(first.events) or "no body rests, bounces, tips, slides or meets a stop"
+    lines = [f"What happens{'' if not others else ' on ' + _of(first, agreement, titles)}: {sentence}."]
+    for other in others:
+        lines.append(f"Otherwise on {_of(other, agreement, titles)}: {_differing(first.events, other.events)}.")
+    return lines
+
+
+def _differing(base: Sequence[Event], events: Sequence[Event]) -> str:
+    """What of another's events are not those of the base, and what of the base it lacks."""
+    keys = {(event.body, event.kind, event.other): event for event in base}
+    own = {(event.body, event.kind, event.other) for event in events}
+    shared = {(event.body, event_words(event)) for event in base}
+    other = [event for event in events if (event.body, event_words(event)) not in shared]
+    lacks = [event for key, event in keys.items() if key not in own]
+    words = [body_words(other)] if other else []
+    words += [f"'{event.body}' {_LACKING[event.kind].format(other=event.other)}" for event in lacks]
+    return "; ".join(words)
+
+
+def end_words(groups: Sequence[Happened], store: Store, agreement: Agreement, titles: Mapping[str, str]) -> list[str]:
+    """Whose steps no longer draw together before the end of the run, from when on, and what differs then."""
+    if not groups or agreement.scene is None:
+        return []
+    ends: dict[tuple[float, str], list[tuple[str, str]]] = {}
+    for side in agreement.sides:
+        runs = [rung for rung in side.limit.rungs if rung.run is not None]
+        if side.limit.said is None or len(runs) < 2 or side.limit.seen_until >= (1 - _END) * agreement.duration:
+            continue
+        finest_events, coarser = (events_of(store, rung.trial) for rung in (runs[-1], runs[-2]))
+        what = ""
+        if not alike(finest_events, coarser, agreement.duration, agreement.scene):
+            what = f": at half the step {_differing(coarser, finest_events)}"
+        elif not alike(groups[0].events, finest_events, agreement.duration, agreement.scene):
+            what = f": {_differing(groups[0].events, finest_events)}"
+        ends.setdefault((side.limit.seen_until, what), []).append((side.engine, side.track))
+    parts = [
+        f"{_of(Happened(sides=tuple(sides), events=()), agreement, titles)} from {f'{time:.3g} s' if time else 'the start'} "
+        f"on{what}"
+        for (time, what), sides in sorted(ends.items())
+    ]
+    return [f"Smaller steps no longer agree with each other on {'; on '.join(parts)}."] if parts else []
+
+
+_LACKING: Mapping[Kind, str] = {
+    "passed through": "does not pass through '{other}'",
+    "bounced": "does not bounce",
+    "left the ground": "does not leave the ground",
+    "fell off": "does not fall off '{other}'",
+    "tipped": "does not tip over",
+    "rolled": "does not roll away",
+    "slid": "does not slide",
+    "moved": "does not move away",
+    "hit the stop": "does not hit the stop of '{other}'",
+    "at rest": "is not at rest at the end",
+}
+
+
+def _of(group: Happened, agreement: Agreement, titles: Mapping[str, str]) -> str:
+    """'Bullet (default) and DART'."""
+    tracks: dict[str, list[str]] = {}
+    for engine, track in group.sides:
+        tracks.setdefault(engine, []).append(track)
+    every = {engine: {side.track for side in agreement.sides if side.engine == engine} for engine in tracks}
+    return listed(
+        [
+            titles.get(engine, engine) + ("" if set(mine) == every[engine] else f" ({listed(mine)})")
+            for engine, mine in tracks.items()
+        ]
+    )

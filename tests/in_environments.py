@@ -1,0 +1,26 @@
+"""Tests of engines that are installed when they are asked for, each on the interpreter of its environment.
+
+`python -m tests.in_environments rapier sapien` runs the scripts in each vendor's words and the planted faults; the environments
+are those that `plumbline check ENGINE --yes` makes. Exits with the first code that is not 0.
+"""
+
+import subprocess
+import sys
+
+from plumbline.harness.study.environments import home_of
+
+
+def main(engines: list[str]) -> int:
+    """Run the tests of these engines."""
+    for engine in engines:
+        home = home_of(engine)
+        python = sys.executable if home is None else home.executable
+        files = [f"tests/vendor/test_{engine}.py", "tests/conformance/test_faults_on_extras.py"]
+        code = subprocess.run([python, "-m", "pytest", "-q", "-n", "2", "-k", engine, *files], check=False).returncode
+        if code:
+            return code
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,205 @@
+"""What happened in a run: motions made by hand, each with one thing that happens in it, and none that does not."""
+
+import math
+
+import numpy as np
+import pytest
+
+from plumbline.harness.findings.agreement import Agreement, Side
+from plumbline.harness.findings.agreement.happened import Happened, alike, body_words, happened_words
+from plumbline.harness.scene import Body, Box, Drive, Plane, Revolute, Scene, Surface
+from plumbline.harness.scene.joint import Limits
+from plumbline.harness.search.own_limits import OwnLimit
+from plumbline.harness.trajectory import Floats, Trajectory
+from plumbline.harness.trajectory.events import Event, Touched, happened
+from plumbline.harness.trajectory.parting import NOTHING
+
+TIME = np.arange(181) / 60
+R, G = 0.05, 9.81
+LAW = Surface(between=("default", "default"), static_friction=0.5, kinetic_friction=0.5)
+BALL = Scene(bodies=(Body.ground("default"), Body.ball("ball", R, p_WB=(0, 0, R))), surfaces=(LAW,))
+CUBE = Scene(bodies=(Body.ground("default"), Body.box("cube", (R, R, R), p_WB=(0, 0, R))), surfaces=(LAW,))
+
+
+def moved(scene: Scene, p: Floats, q: Floats | None = None, w: Floats | None = None) -> Trajectory:
+    """The last body of a scene on a path (t, 3), all others where they start."""
+    run = Trajectory.of(TIME, len(scene.bodies))
+    run.p_WB[:] = [body.p_WB for body in scene.bodies]
+    run.p_WB[:, -1] = p
+    run.v_WB[:, -1] = np.gradient(p, TIME, axis=0)
+    if q is not None:
+        run.q_WB[:, -1] = q
+    if w is not None:
+        run.w_WB[:, -1] = w
+    return run
+
+
+def path(x: Floats | float = 0.0, z: Floats | float = R) -> Floats:
+    return np.stack(np.broadcast_arrays(x + 0 * TIME, 0 * TIME, z + 0 * TIME), axis=1)
+
+
+def touched(samples: Floats, first: int = 0, second: int = 1) -> Touched:
+    places = np.flatnonzero(samples)
+    return Touched(places, np.full(len(places), first), np.full(len(places), second))
+
+
+ALWAYS = touched(np.ones(len(TIME), bool))
+
+
+def about_y(angle: Floats) -> Floats:
+    return np.stack([np.cos(angle / 2), 0 * angle, np.sin(angle / 2), 0 * angle], axis=1)
+
+
+def named(events: tuple[Event, ...]) -> list[str]:
+    return [event.kind for event in events]
+
+
+def test_what_stays_is_at_rest_and_nothing_else() -> None:
+    for scene in (BALL, CUBE):
+        (event,) = happened(scene, moved(scene, path()), ALWAYS)
+        assert (event.kind, event.time) == ("at rest", 0.0)
+    assert body_words([event]) == "'cube' stays where it is"
+
+
+def test_bounces_are_counted_with_the_height_of_the_first() -> None:
+    """Parabolas of 0.8, 0.4 and 0.2 s between blows, then rest: g T^2 / 8 high, the first 785 mm."""
+    z, begin = np.full(len(TIME), R), 0.2
+    for span in (0.8, 0.4, 0.2):
+        t = TIME - begin
+        z = np.where((t >= 0) & (t <= span), R + G * t * (span - t) / 2, z)
+        begin += span
+    z = np.where(TIME < 0.2, R + G * (0.2**2 - TIME**2) / 2, z)
+    events = happened(BALL, moved(BALL, path(z=z)), touched(np.isclose(z, R)))
+    assert named(events) == ["bounced", "at rest"]
+    assert events[0].count == 3
+    assert events[0].value == pytest.approx(G * 0.8**2 / 8, rel=0.02)  # samples meet neither the top nor the blow itself
+    assert events[0].time == pytest.approx(0.2, abs=2 / 60)
+    assert events[1].time == pytest.approx(1.6, abs=3 / 60)
+
+
+def test_a_smooth_fall_and_rise_is_no_bounce() -> None:
+    """A swing up and down within g: turned round by no blow."""
+    z = 1.0 + 0.2 * np.cos(5.0 * TIME)
+    assert "bounced" not in named(happened(BALL, moved(BALL, path(z=z)), None))
+
+
+def test_a_ball_that_turns_as_it_goes_rolls_and_a_cube_slides() -> None:
+    x = 0.3 * TIME
+    spin = np.stack([0 * TIME, np.full(len(TIME), 0.3 / R), 0 * TIME], axis=1)
+    (rolled,) = happened(BALL, moved(BALL, path(x), about_y(x / R), spin), ALWAYS)
+    assert (rolled.kind, rolled.value) == ("rolled", pytest.approx(0.9))
+    (slid,) = happened(CUBE, moved(CUBE, path(x)), ALWAYS)
+    assert (slid.kind, slid.value) == ("slid", pytest.approx(0.9))
+    (ball,) = happened(BALL, moved(BALL, path(x)), ALWAYS)
+    assert ball.kind == "slid"
+
+
+def test_what_flies_neither_rolls_nor_slides() -> None:
+    off = Touched(np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros(0, np.int64))
+    assert happened(CUBE, moved(CUBE, path(2.0 * TIME, 1.0 + 20 * TIME)), off) == ()
+
+
+def test_a_cube_on_its_side_has_tipped_when_it_leant_by_half_a_right_angle() -> None:
+    angle = np.clip(TIME - 1.0, 0.0, math.pi / 2)
+    events = happened(CUBE, moved(CUBE, path(), about_y(angle)), ALWAYS)
+    assert named(events) == ["tipped", "at rest"]
+    assert events[0].time == pytest.approx(1.0 + math.pi / 4, abs=1.1 / 60)
+    assert events[0].value == pytest.approx(math.pi / 2)
+
+
+def test_what_ends_below_a_plane_or_behind_a_wall_has_passed_through() -> None:
+    events = happened(BALL, moved(BALL, path(z=0.5 - 0.5 * TIME)), None)
+    assert named(events) == ["passed through"]
+    assert events[0].time == pytest.approx(1.1, abs=1 / 60)  # its centre lies a radius below z = 0
+    wall = Body.fixed("wall", Box(half_extents=(0.01, 1.0, 1.0)), p_WB=(1.0, 0.0, 0.0))
+    scene = Scene(bodies=(wall, Body.ball("ball", R)), surfaces=(LAW,), gravity=(0.0, 0.0, -1e-9))
+    (event,) = happened(scene, moved(scene, path(TIME, 0.0)), None)
+    assert (event.kind, event.other) == ("passed through", "wall")
+    beside = moved(scene, path(TIME, 1.5))
+    assert happened(scene, beside, None) == ()
+    back = moved(scene, path(0.9 - np.abs(TIME - 0.9), 0.0))
+    assert "passed through" not in named(happened(scene, back, None))
+
+
+def test_what_rises_from_the_ground_leaves_it_and_what_sinks_from_a_table_falls_off() -> None:
+    z = R + 0.15 * np.clip(TIME - 1.0, 0.0, 1.0)
+    (left, rest) = happened(CUBE, moved(CUBE, path(z=z)), touched(TIME <= 1.0))
+    assert (left.kind, left.value, rest.kind) == ("left the ground", pytest.approx(0.15), "at rest")
+    assert left.time == pytest.approx(1.0, abs=3 / 60)
+    table = Body.fixed("table", Box(half_extents=(0.2, 0.2, 0.5)), p_WB=(0.0, 0.0, 0.5))
+    scene = Scene(bodies=(table, Body.box("cube", (R, R, R), p_WB=(0.15, 0, 1 + R))), surfaces=(LAW,))
+    fall = np.clip(1.05 - G * np.clip(TIME - 1, 0, None) ** 2 / 2, R, None)
+    events = happened(scene, moved(scene, path(0.15 + 0.1 * TIME, fall)), touched(TIME <= 1.0))
+    (off,) = [event for event in events if event.kind == "fell off"]
+    assert (off.other, off.time, off.value) == ("table", pytest.approx(1.0), pytest.approx(1.0))
+
+
+def test_a_joint_hits_its_stop_where_it_had_been_away_from_it() -> None:
+    def door(position: float) -> Scene:
+        hinge = Revolute(
+            name="hinge", parent="world", child="door", anchor_W=(0, 0, 0), axis_W=(0, 1, 0), position=position,
+            limits=Limits(lower=-0.1, upper=1.4), drive=Drive(damping=1.0),
+        )  # fmt: skip
+        return Scene(bodies=(Body.box("door", (0.4, 0.02, 1.0), touches=False),), joints=(hinge,))
+
+    angle = np.clip(TIME, 0.0, 1.4)
+    run = moved(door(0.0), path(z=0.0), about_y(angle))
+    (hit, rest) = happened(door(0.0), run, None)
+    assert (hit.kind, hit.other, hit.body) == ("hit the stop", "hinge", "door")
+    assert hit.time == pytest.approx(1.4, abs=2 / 60)
+    assert rest.kind == "at rest"
+    resting = moved(door(1.4), path(z=0.0))
+    assert named(happened(door(1.4), resting, None)) == ["at rest"]
+
+
+def test_a_machine_is_told_by_its_heaviest_body() -> None:
+    wheel = Revolute(name="axle", parent="car", child="wheel", anchor_W=(0, 0, R), axis_W=(0, 1, 0))
+    bodies = (Body.ground("default"), Body.ball("wheel", R, 0.1, p_WB=(0, 0, R)), Body.box("car", (R, R, R), p_WB=(0, 0, R)))
+    scene = Scene(bodies=bodies, joints=(wheel,), surfaces=(LAW,))
+    run = moved(scene, path(TIME))
+    run.p_WB[:, 1] += path(TIME, 0.0)
+    (event,) = happened(scene, run, touched(np.ones(len(TIME), bool), 0, 1))
+    assert (event.body, event.kind, event.value) == ("car", "moved", pytest.approx(3.0))
+
+
+def test_events_are_alike_within_a_tenth() -> None:
+    bounce = Event(body="ball", kind="bounced", time=0.3, value=0.24, count=9)
+    assert alike([bounce], [Event(body="ball", kind="bounced", time=0.31, value=0.25, count=8)], 3.0, BALL)
+    assert not alike([bounce], [Event(body="ball", kind="bounced", time=0.3, value=0.20, count=9)], 3.0, BALL)
+    assert not alike([bounce], [Event(body="ball", kind="bounced", time=0.3, value=0.24, count=7)], 3.0, BALL)
+    assert not alike([bounce], [Event(body="ball", kind="bounced", time=0.7, value=0.24, count=9)], 3.0, BALL)
+    assert not alike([bounce], [], 3.0, BALL)
+
+
+def test_what_happens_on_most_engines_is_told_first_and_then_what_others_do_or_do_not() -> None:
+    nothing = OwnLimit(kind="converges", horizons={}, rungs=())
+    sides = [
+        Side(engine=engine, track=track, ours=False, word="converges", why="", limit=nothing)
+        for engine in ("a", "b")
+        for track in ("default", "tuned")
+    ]
+    agreement = Agreement(case="c", where="", duration=3.0, scale=NOTHING, granted=0.0, sides=tuple(sides), differences=())
+    bounce = Event(body="ball", kind="bounced", time=0.32, value=0.24, count=7)
+    rest, sooner = (Event(body="ball", kind="at rest", time=time) for time in (1.7, 0.3))
+    most = Happened(sides=(("a", "default"), ("a", "tuned"), ("b", "tuned")), events=(bounce, rest))
+    few = Happened(sides=(("b", "default"),), events=(sooner,))
+    first, second = happened_words([most, few], agreement, {"a": "Engine A", "b": "Engine B"})
+    who, what = first.split(": ", 1)
+    assert who == "What happens on Engine A and Engine B (tuned)"
+    assert what == "'ball' bounces 7 times, first by 240 mm at 0.32 s, is at rest from 1.7 s on."
+    assert second == "Otherwise on Engine B (default): 'ball' is at rest from 0.3 s on; 'ball' does not bounce."
+    (alone,) = happened_words([most], agreement, {})
+    assert alone.startswith("What happens: 'ball' bounces")
+
+
+def test_contacts_that_do_not_press_do_not_touch() -> None:
+    arrays = {
+        "contacts_count": np.array([1, 2, 0]), "contacts_gap": np.array([1e-3, -1e-6, 1e-3]),
+        "contacts_force_W": np.array([[0, 0, 0], [0, 0, 0], [0, 0, 2.0]]), "contacts_body_A": np.array([0, 0, 0]),
+        "contacts_body_B": np.array([1, 1, 2]),
+    }  # fmt: skip
+    found = Touched.of(arrays)
+    assert found is not None
+    assert found.sample.tolist() == [1, 1]
+    assert Touched.of({}) is None
+    assert Plane().normal == (0.0, 0.0, 1.0)

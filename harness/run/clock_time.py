@@ -5,8 +5,8 @@ from plumbline.harness.store.record import Record
 from plumbline.harness.study.trial import Trial
 from plumbline.harness.trial.bench import FEW, LONG
 
-START = 0.3
-"""Seconds that a process takes to start."""
+START = 0.1
+"""Seconds that a trial takes of the start of a process, and to be ready in it."""
 STEPS = 0.5
 """Of what a run of a refined ladder takes, the share of its steps; the rest is judging them."""
 
@@ -18,7 +18,7 @@ def seconds_of_run(trial: Trial, record: Record, case: Case) -> float:
 
 
 def clock_time(trial: Trial, record: Record, case: Case) -> float:
-    """Of a timing run [s]: a start a process, and samples that take a run each if that is longer; few of long runs."""
+    """Of a timing run [s]: a share of a start a process, and samples that take a run each if that is longer; few of long runs."""
     experiment, run = trial.experiment, seconds_of_run(trial, record, case)
     count = experiment.processes * experiment.samples
     if run > LONG * experiment.sample_seconds:

@@ -85,9 +85,13 @@ def trials_of(
 def check_truths(experiments: Sequence[Experiment], cases: Mapping[str, Case]) -> None:
     """Put each closed form to its case's own checks, at all parameters that an experiment names.
 
-    Raises: StudyError: naming the case and the parameters at which its truth breaks a bound of its own.
+    Raises: StudyError: naming the case and the parameters at which its truth breaks a bound of its own; where there are more of
+    them alone than a study may have trials.
     """
     for experiment in experiments:
+        count = sum(experiment.asks(name) for name in cases)
+        if excess := beyond("trials", count * math.prod(map(len, experiment.parameters.values()))):
+            raise StudyError(f"experiment '{experiment.name}': at least {excess}")
         for case in (case for case in cases.values() if experiment.asks(case.name)):
             for parameters, _ in parameters_of(experiment, case):
                 scene_of(case, parameters)

@@ -60,7 +60,7 @@ def pages(tab: Any, plain: Path) -> dict[Path, Read]:
 
 
 def test_every_page_opens_from_disk_in_silence_and_fetches_nothing_from_a_network(pages: dict[Path, Read]) -> None:
-    assert len(pages) == 14
+    assert len(pages) == 15
     for path, page in pages.items():
         assert page.said == (), path.name
         assert page.asked <= {"file", "data"}, path.name

@@ -95,7 +95,7 @@ def test_a_box_on_an_incline_is_held_at_coarse_steps() -> None:
 
 def test_an_arch_of_enough_friction_stands_where_dantzig_lets_it_fall() -> None:
     """Nine voussoirs a fifth of a radius thick need less than .4."""
-    case = replace(stack_arch.CASE, duration=1.25, checks=stack_arch.CASE.checks[:1])
+    case = replace(stack_arch.CASE, duration=1.25, checks=())
     tuned, dantzig = (
         put(case, ADAPTER, settings.with_dt(DT), parameters={"friction": 0.5})["stack_height_error"]
         for settings in (TUNED, replace(TUNED, solver="dantzig"))

@@ -228,7 +228,7 @@ def test_the_schema_accepts_what_the_reader_accepts() -> None:
 def test_a_scene_of_the_users_own_is_carried_by_an_engine_and_shown(tmp_path: Path, printed: Command) -> None:
     path = tmp_path / "ball.toml"
     path.write_text(SOUND.partition("[[joints]]")[0] + "[[surfaces]]" + SOUND.partition("[[surfaces]]")[2])
-    done = printed("run", path, "--engine", "mujoco", "--duration", "1", "--budget", "0.1", "--out", tmp_path / "out")
+    done = printed("run", path, "--engine", "mujoco", "--duration", "1", "--budget", "20", "--out", tmp_path / "out")
     assert done.returncode == 0, done.stderr
     rows = json.loads(printed("show", tmp_path / "out", "--format", "json").stdout)
     assert {row["status"] for row in rows} == {"passed"}

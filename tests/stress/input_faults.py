@@ -331,7 +331,9 @@ STUDIES: dict[str, Fault] = {
     "a parameter that there is not": study("parameters = { colour = [1] }", "'flight_projectile' has no parameter 'colour'"),
     "a text for a parameter": study("parameters = { mass = ['heavy'] }", "parameter 'mass'", "'heavy'", "number"),
     "true for a parameter": study("parameters = { mass = [true] }", "parameter 'mass'", "true"),
-    "a parameter without a scene": study("parameters = { mass = [-1.0] }", "'flight_projectile' has no scene", "mass", "-1.0"),
+    "a parameter without a scene": study(
+        "parameters = { mass = [-1.0] }", "'flight_projectile'", "'mass'", "-1.0", "greater than 0"
+    ),
     "nan for a parameter": study("parameters = { mass = [nan] }", "parameters > mass", "nan"),
     "a vector's parameter": study("parameters = { velocity = [1.0] }", "parameter 'velocity'", "cannot set it"),
     "a deadline of 1e300 s": study("deadline = 1e300", f"{ONE} deadline", "1e+300"),

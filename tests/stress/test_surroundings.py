@@ -73,7 +73,7 @@ def test_a_full_disk_ends_the_run_with_path_and_reason_and_what_was_there_stays(
     assert "Traceback" not in done.stderr
     monkeypatch.syspath_prepend(str(PLUGINS))
     in_this_process(monkeypatch)
-    monkeypatch.setattr("plumbline.harness.cli.run_study.publish", summarised)
+    monkeypatch.setattr("plumbline.harness.cli.run_study.present", summarised)
     again = printed("run", study, "--engine", "sound", "--out", out, "--resume")
     assert again.returncode == 0, again.stderr
     assert len(answers(out)) == CELLS

@@ -126,9 +126,9 @@ def test_torques_of_a_file_are_joined_by_lines_and_refused_by_column(tmp_path: P
     assert torques[:, [0, 2]].any() == 0
     assert torques[2000, 1] == pytest.approx(8 * 2000 * DT)
     for text, said in (
-        ("time,knee\n0,0\n", "'knee', expected each of"),
-        ("a\n0\n", "expected a column 'time'"),
-        ("time\n0\nx\n", "numbers"),
+        ("time,knee\n0,0\n", "'knee' is no joint of the file, expected one of"),
+        ("a\n0\n", "line 1: 'a', expected time and then the names of joints"),
+        ("time,elbow\n0,0\nx,1\n", "line 3.*'x'"),
     ):
         table.write_text(text)
         with pytest.raises(RobotError, match=said):

@@ -6,7 +6,8 @@ from typing import Any
 from plumbline.harness.run.campaign import _sittings
 from plumbline.harness.study.experiment import Experiment
 
-EACH: Any = SimpleNamespace(clock=lambda _: 10.0)
+EACH = {f"{case}{k}": 10.0 for case in "abc" for k in range(2)}
+"""Seconds of the clock, by trial."""
 FIRST, SECOND = Experiment(name="first"), Experiment(name="second")
 
 

@@ -18,7 +18,7 @@ def seconds_of_run(trial: Trial, record: Record, case: Case) -> float:
 
 
 def clock_time(trial: Trial, record: Record, case: Case) -> float:
-    """Of a timing run [s]: a share of a start a process, and samples that take a run each if that is longer; few of long runs."""
+    """Of a timing run [s]: its share of each start, and samples that take a run each if that is longer; few of long runs."""
     experiment, run = trial.experiment, seconds_of_run(trial, record, case)
     count = experiment.processes * experiment.samples
     if run > LONG * experiment.sample_seconds:

@@ -24,8 +24,8 @@ SCALED = {
     "joint_spring": {"RATE"},
     "stand_hit": {"SPEED", "SPIN"},
 }
-"""Own values that a bound is scaled from on purpose: a duration at one speed, a motion worked out at one rate, a figure rounded up at one
-speed."""
+"""Own values that a bound is scaled from on purpose: a duration at one speed, a motion worked out at one rate, a figure rounded
+up at one speed."""
 
 
 LONG_ONES = ("joint_chain", "joint_double_pendulum_chaotic", "joint_fourbar", "joint_spring", "orbit_kepler")

@@ -2,7 +2,6 @@
 
 import dataclasses
 import hashlib
-import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -26,6 +25,7 @@ from plumbline.harness.scene import (
 )
 from plumbline.harness.store.journal import Journal
 from plumbline.harness.store.record import Measurement, Record
+from plumbline.harness.store.store import write_json
 from plumbline.harness.store.trajectory_file import save_trajectory
 from plumbline.harness.trajectory import Trajectory
 from plumbline.reports import write_recordings
@@ -116,7 +116,7 @@ class Folder:
         return trial.trial
 
     def write(self, **cases: Mapping[str, Any]) -> tuple[Path, ...]:
-        (self.path / "catalogue.json").write_text(json.dumps({"cases": cases, "engines": {}}), encoding="utf-8")
+        write_json(self.path / "catalogue.json", {"cases": cases, "engines": {}})
         self.journal.close()
         return write_recordings(self.path)
 

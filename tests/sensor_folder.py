@@ -2,7 +2,6 @@
 
 import dataclasses
 import hashlib
-import json
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +23,7 @@ from plumbline.harness.scene import (
 )
 from plumbline.harness.store.journal import Journal
 from plumbline.harness.store.record import Measurement, Record, Timing
+from plumbline.harness.store.store import write_json
 from plumbline.harness.store.trajectory_file import save_trajectory
 from plumbline.harness.trajectory import Floats, Trajectory
 
@@ -186,5 +186,5 @@ def write_sensor_folder(path: Path) -> Path:
         name: {"name": name, "title": name.title(), "ours": name == "reference"}
         for name in ("reference", "mujoco", "bullet", "dart")
     }
-    (path / "catalogue.json").write_text(json.dumps({"cases": {CASE: case}, "engines": engines}), encoding="utf-8")
+    write_json(path / "catalogue.json", {"cases": {CASE: case}, "engines": engines})
     return path

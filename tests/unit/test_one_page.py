@@ -89,7 +89,7 @@ def test_a_folder_named_from_here_is_printed(tmp_path: Path, monkeypatch: pytest
     program.write_text(
         f"#!{sys.executable}\nimport sys\n"
         "(out,) = (word.partition('=')[2] for word in sys.argv if word.startswith('--print-to-pdf='))\n"
-        "open(out, 'w').write('%PDF-' + sys.argv[-1])\n"
+        "open(out, 'w').write('%PDF-' + sys.argv[-1] + ' %%EOF')\n"
     )
     program.chmod(0o755)
     write_run_folder(tmp_path / "run", only=("stack_tower",))

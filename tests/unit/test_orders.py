@@ -15,7 +15,7 @@ from plumbline.harness.cli.main import main
 from plumbline.harness.findings.tables.orders import COLUMNS, TABLE, convergences, verdict
 from plumbline.harness.store.journal import Journal
 from plumbline.harness.store.record import Measurement, Record
-from plumbline.harness.store.store import Store
+from plumbline.harness.store.store import Store, write_json
 from plumbline.harness.study import plugins
 from plumbline.harness.study.catalogue import describe_case, describe_engine
 from plumbline.harness.study.experiment import Experiment
@@ -52,7 +52,7 @@ def folder(
     journal.close()
     case = {"headline": "e", "title": "X", "scale": 1.0, "duration": 1.0, "parameters": {"n": 1}} | case
     engines = {name: {"name": name, "title": name.upper(), "orders": orders} for name in errors}
-    (path / "catalogue.json").write_text(json.dumps({"cases": {"flight_x": case}, "engines": engines}))
+    write_json(path / "catalogue.json", {"cases": {"flight_x": case}, "engines": engines})
     return Store(path)
 
 
@@ -162,7 +162,7 @@ def test_a_real_engine_that_loses_its_order_is_found_out(tmp_path: Path, name: s
         journal.append(run_trial(trial, case, adapter, None))
     journal.close()
     catalogue = {"cases": {name: describe_case(case)}, "engines": {"reference": describe_engine(sound)}}
-    (tmp_path / "catalogue.json").write_text(json.dumps(catalogue))
+    write_json(tmp_path / "catalogue.json", catalogue)
     (row,) = convergences(Store(tmp_path))
     assert (row.promised, row.verdict) == (4, told)
 

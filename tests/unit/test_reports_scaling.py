@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from plumbline.harness.store.store import Store
+from plumbline.harness.store.store import Store, write_json
 from plumbline.reports.charts.step_costs import growths
 from plumbline.reports.pages.scaling import render
 from tests.charts import checked
@@ -50,7 +50,7 @@ def test_the_axis_of_a_sweep_says_what_the_parameter_counts(scaling: Scaling) ->
 
 
 def test_reading_calling_and_sharing_have_tables_of_their_own(beside: Scaling) -> None:  # noqa: F811
-    beside._store.folder.joinpath("machine.json").write_text('{"cores": 2}')
+    write_json(beside._store.folder / "machine.json", {"cores": 2})
     page = render(beside._store)["scaling.html"]
     for words in ('id="beside"', 'id="shared"', "step whose state is read", "call that takes no step", "this machine lent 2"):
         assert words in page

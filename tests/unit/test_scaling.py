@@ -1,6 +1,5 @@
 """The scaling table on run folders made by formula: prices, ratios, quality and exponents are what they were made to be."""
 
-import json
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -13,7 +12,7 @@ from plumbline.harness.findings.tables.scaling import COLUMNS, TABLE, Scaling
 from plumbline.harness.statistics.ratio import ratio
 from plumbline.harness.store.journal import Journal
 from plumbline.harness.store.record import Measurement, Record, Sample, Timing
-from plumbline.harness.store.store import Store
+from plumbline.harness.store.store import Store, write_json
 
 SIZES = (10, 100, 1000, 10_000)
 EXPONENT = 1.25
@@ -73,7 +72,7 @@ def scaling(tmp_path: Path) -> Scaling:
         "cases": {"stack_pile": {"parameters": {"n": 100, "worlds": 1}, "headline": "overlap", "title": "Pile"}},
         "engines": {name: {"name": name, "ours": name == "ours", "title": name} for name in ("ours", "theirs", "slow")},
     }
-    (tmp_path / "catalogue.json").write_text(json.dumps(catalogue))
+    write_json(tmp_path / "catalogue.json", catalogue)
     return Scaling(Store(tmp_path))
 
 
@@ -167,7 +166,7 @@ def beside(tmp_path: Path) -> Scaling:
         "cases": {"stack_pile": {"parameters": {"n": 100, "worlds": 1}, "headline": "overlap", "title": "Pile"}},
         "engines": {"ours": {"name": "ours", "ours": True, "title": "ours"}},
     }
-    (tmp_path / "catalogue.json").write_text(json.dumps(catalogue))
+    write_json(tmp_path / "catalogue.json", catalogue)
     return Scaling(Store(tmp_path))
 
 
@@ -222,7 +221,7 @@ def test_rays_and_worlds_are_priced_all_together_over_their_number(
         prices = {"cpu_per_unit": each, "cpu_per_unit_low": each, "cpu_per_unit_high": each}
         journal.append(Timing(trial=f"t{count}", unit=unit, samples=(sample,), **prices))
     journal.close()
-    (tmp_path / "catalogue.json").write_text(json.dumps({"cases": {}, "engines": {}}))
+    write_json(tmp_path / "catalogue.json", {"cases": {}, "engines": {}})
     scaling = Scaling(Store(tmp_path))
     (fit,) = scaling.exponents
     assert fit.exponent == pytest.approx(0.8, abs=1e-9)
@@ -247,7 +246,7 @@ def scattered(tmp_path: Path) -> Scaling:
         "cases": {"stack_pile": {"parameters": {"n": 100, "worlds": 1}, "headline": "overlap", "title": "Pile"}},
         "engines": {name: {"name": name, "ours": name == "ours", "title": name} for name in ("ours", "near", "theirs")},
     }
-    (tmp_path / "catalogue.json").write_text(json.dumps(catalogue))
+    write_json(tmp_path / "catalogue.json", catalogue)
     return Scaling(Store(tmp_path))
 
 

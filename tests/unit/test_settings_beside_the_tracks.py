@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 
+from plumbline.harness.store.journal import StoreError
 from plumbline.harness.store.store import Store
 from plumbline.reports.charts.errors import across_cases, error_by_step
 from plumbline.reports.charts.marks import HALF, OPEN
@@ -36,11 +37,18 @@ def test_a_setting_is_named_by_its_track_and_what_it_changes_there(several: Stor
     assert setting_words(several, "mujoco", "tuned") == "tuned"
 
 
-@pytest.mark.parametrize("variants", ["variants = 3", 'variants = { mujoco = "x" }', "variants = { mujoco = { pgs = 1 } }"])
+@pytest.mark.parametrize("variants", ['variants = { mujoco = "x" }', "variants = { mujoco = { pgs = 1 } }"])
 def test_a_study_that_says_nonsense_of_its_settings_leaves_their_names(tmp_path: Path, variants: str) -> None:
     store = written(tmp_path / "run", ("mujoco", "pgs"))
     tmp_path.joinpath("run", "study.toml").write_text(variants, encoding="utf-8")
     assert setting_words(store, "mujoco", "pgs") == "pgs"
+
+
+def test_a_study_without_a_table_of_variants_is_refused_by_name(tmp_path: Path) -> None:
+    store = written(tmp_path / "run", ("mujoco", "pgs"))
+    tmp_path.joinpath("run", "study.toml").write_text("variants = 3", encoding="utf-8")
+    with pytest.raises(StoreError, match=r"study\.toml: holds no study: variants"):
+        setting_words(store, "mujoco", "pgs")
 
 
 def test_the_key_results_say_settings_in_words_and_rank_none(several: Store) -> None:

@@ -1,6 +1,5 @@
 """Why a machine trembles: the rule on made-up runs, and engines that tremble for a planted reason, through study and store."""
 
-import json
 import math
 from collections.abc import Mapping
 from contextlib import closing
@@ -20,6 +19,7 @@ from plumbline.harness.findings.tables.tremble import CAUSES, TABLE, Run, attrib
 from plumbline.harness.scene import Revolute, Scene
 from plumbline.harness.store.disk import write_atomically
 from plumbline.harness.store.journal import Journal
+from plumbline.harness.store.seal import sealed_json, sealed_toml
 from plumbline.harness.store.store import Store
 from plumbline.harness.study.catalogue import describe_case
 from plumbline.harness.study.stored_study import Departure, departures_of
@@ -209,8 +209,8 @@ def store(tmp_path_factory: pytest.TempPathFactory) -> Store:
     study = Study(**(STUDY | {"experiments": given.experiments}))  # type: ignore[arg-type]
     engines = {reason: _Planted(name=reason, reason=reason) for reason in EXPECTED}
     catalogue = {"cases": {CASE.name: describe_case(CASE)}, "engines": {}}
-    write_atomically(folder / "catalogue.json", json.dumps(catalogue).encode())
-    write_atomically(folder / "study.toml", tomli_w.dumps({"variants": STUDY["variants"]}).encode())
+    write_atomically(folder / "catalogue.json", sealed_json("catalogue.json", catalogue))
+    write_atomically(folder / "study.toml", sealed_toml("study.toml", tomli_w.dumps({"variants": STUDY["variants"]})))
     with closing(Journal(folder)) as journal:
         for trial in study.trials({CASE.name: CASE}, engines, dict.fromkeys(engines, "1")):
             if (

@@ -296,22 +296,24 @@ def test_a_refused_planar_joint_and_mimics_of_fixed_joints_are_named(tmp_path: P
         imported(tmp_path, urdf(tip.format(""), joint=f'{LIMIT}<mimic joint="t"/>'))
 
 
+@pytest.mark.parametrize("before", [True, False])
 def test_a_file_is_read_without_the_collector_of_cycles_which_is_as_it_was_afterwards(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, before: bool, request: pytest.FixtureRequest
 ) -> None:
     collected: list[bool] = []
+    request.addfinalizer(gc.enable if gc.isenabled() else gc.disable)
+    (gc.enable if before else gc.disable)()
 
     def watched(robot: Robot) -> dict[str, Group]:
         collected.append(gc.isenabled())
         return grouped(robot)
 
     monkeypatch.setattr(reading, "grouped", watched)
-    assert gc.isenabled()
     imported(tmp_path, urdf())
     with pytest.raises(RobotError):
         imported(tmp_path, urdf('<link name="lost"/>'))
     assert collected == [False]
-    assert gc.isenabled()
+    assert gc.isenabled() is before
 
 
 def test_a_long_chain_is_kept_link_by_link(tmp_path: Path) -> None:

@@ -7,7 +7,7 @@ from math import sqrt
 import numpy as np
 
 from plumbline.harness.adapter import Feature
-from plumbline.harness.scene import AxisNoise, Camera, Imu
+from plumbline.harness.scene import WORLD, AxisNoise, Camera, Imu, multiply
 from plumbline.harness.trajectory import Floats, Hits, Image, Trajectory
 from tests.planted_faults.fault import fault
 from tests.planted_faults.planting import Wrapped
@@ -93,6 +93,42 @@ class half_a_pixel_off(Wrapped):
     def render(self, camera: Camera, colour: bool = True) -> Image:
         moved = replace(camera, centre_x=camera.centre_x + 0.5, centre_y=camera.centre_y + 0.5)
         return self.inner.render(moved, colour)
+
+
+@fault("camera_is_mounted_on_what_turns", needs=_R)
+class focal_lengths_exchanged(Wrapped):
+    """the focal length along x is taken along y, and the other way round"""
+
+    def render(self, camera: Camera, colour: bool = True) -> Image:
+        return self.inner.render(replace(camera, focal_x=camera.focal_y, focal_y=camera.focal_x), colour)
+
+
+@fault("camera_is_mounted_on_what_turns", needs=_R)
+class camera_turned_before_its_body(Wrapped):
+    """the turn of a camera on its body and the turn of the body are multiplied in the other order"""
+
+    def render(self, camera: Camera, colour: bool = True) -> Image:
+        if camera.body == WORLD:
+            return self.inner.render(camera, colour)
+        w, x, y, z = (float(c) for c in self.now().q_WB[self.scene.index(camera.body)])
+        exchanged = multiply((w, -x, -y, -z), multiply(camera.q_BS, (w, x, y, z)))
+        return self.inner.render(replace(camera, q_BS=exchanged), colour)
+
+
+@fault("lidar_reads_between_its_bounds", needs=Feature.RAYS | Feature.BOX)
+class rays_pass_what_is_near(Wrapped):
+    """rays meet nothing within the first 1.5 m, and go on"""
+
+    def cast(self, origins: Floats, directions: Floats, max_range: float) -> Hits:
+        near = self.inner.cast(origins, directions, max_range)
+        beyond = self.inner.cast(origins + 1.5 * directions, directions, max_range - 1.5)
+        beyond = replace(beyond, distance=beyond.distance + 1.5)
+        passed = near.distance < 1.5
+        return Hits(
+            np.where(passed, beyond.distance, near.distance),
+            np.where(passed, beyond.body, near.body),
+            np.where(passed[:, None], beyond.normal_W, near.normal_W),
+        )
 
 
 @fault("image_names_bodies", needs=_R)
@@ -210,6 +246,15 @@ class own_sensors_one_step_late(Wrapped):
 
     def inertial(self, name: str) -> tuple[Floats, Floats]:
         return self._said[name]
+
+
+@fault("inertial_sensors_say_what_they_feel", "inertial_sensors_feel_their_support", needs=Feature.WRENCH)
+class units_of_own_sensors_exchanged(Wrapped):
+    """the engine's own accelerometer speaks in rad/s, its gyroscope in m/s2: each tells what the other feels"""
+
+    def inertial(self, name: str) -> tuple[Floats, Floats]:
+        force, rate = self.inner.inertial(name)
+        return rate, force
 
 
 @fault(cases=("sensor_streams",))

@@ -7,7 +7,8 @@ from math import sqrt
 import numpy as np
 
 from plumbline.harness.adapter import Feature
-from plumbline.harness.scene import WORLD, AxisNoise, Camera, Imu, multiply
+from plumbline.harness.adapter.rotations import principal_frame
+from plumbline.harness.scene import WORLD, AxisNoise, Body, Camera, Imu, Scene, Sensor, multiply, rotate
 from plumbline.harness.trajectory import Floats, Hits, Image, Trajectory
 from tests.planted_faults.fault import fault
 from tests.planted_faults.planting import Wrapped
@@ -180,6 +181,12 @@ class rays_pass_kinematic_bodies(Wrapped):
         )
 
 
+@fault("rays_meet_what_collides", needs=Feature.RAYS | Feature.BOX)
+def rays_meet_what_is_drawn(body: Body) -> Body:
+    """rays meet the shapes that are drawn"""
+    return body if body.visual is None else replace(body, collision=body.visual)
+
+
 @fault("rays_see_the_present_state", needs=Feature.RAYS | Feature.SPHERE)
 class rays_one_step_late(_WithATwin):
     """rays meet bodies where they were one step ago
@@ -255,6 +262,19 @@ class units_of_own_sensors_exchanged(Wrapped):
     def inertial(self, name: str) -> tuple[Floats, Floats]:
         force, rate = self.inner.inertial(name)
         return rate, force
+
+
+@fault("inertial_sensors_on_turned_principal_axes", needs=Feature.WRENCH | Feature.FULL_INERTIA)
+def own_sensors_in_the_principal_frame(scene: Scene) -> Scene:
+    """the engine's own sensors are mounted on the principal axes of their body"""
+
+    def moved(imu: Sensor) -> Sensor:
+        if not isinstance(imu, Imu):
+            return imu
+        _, q_BM = principal_frame(scene.body(imu.body))
+        return replace(imu, p_BS=rotate(q_BM, imu.p_BS), q_BS=multiply(q_BM, imu.q_BS))
+
+    return replace(scene, sensors=tuple(moved(sensor) for sensor in scene.sensors))
 
 
 @fault(cases=("sensor_streams",))

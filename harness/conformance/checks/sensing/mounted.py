@@ -342,6 +342,44 @@ def lidar_noise_has_its_strength(adapter: Adapter, settings: Settings) -> Findin
     )
 
 
+@check("Does a beam that spreads read the mean over its cone?", Feature.RAYS | Feature.BOX, firm=True)
+def wide_beams_read_the_mean_of_their_cone(adapter: Adapter, settings: Settings) -> Finding:
+    """Beams whose cone meets one wall alone, against 1000 directions spread evenly over each cone.
+
+    Equation: intensity is the mean of reflectivity times cosine; the range is the mean weighted by it. Evenly means cosines of
+    the angle to the axis evenly spaced, and turns by the golden angle.
+    """
+    half, count = 0.08, 1000
+    lidar = Lidar(name="lidar", rate=1 / COARSE, divergence=half, **_LIDAR)
+    streams, states = _read(adapter, settings.with_dt(COARSE), _in_a_room(lidar), 0)
+    origin, axes = _mounted(states[0])
+    along = 1.0 - (1.0 - np.cos(half)) * (np.arange(count) + 0.5) / count
+    turn = np.arange(count) * np.pi * (3.0 - np.sqrt(5.0))
+    cone = np.stack([np.sqrt(1 - along**2) * np.cos(turn), np.sqrt(1 - along**2) * np.sin(turn), along], axis=-1)
+    errors, dims, met = [], [], 0
+    for channel, column in ((0, 3), (1, 9), (2, 14), (3, 20), (4, 6), (2, 0)):
+        z = _beams()[channel, column]
+        x = np.cross(z, np.eye(3)[np.argmin(np.abs(z))])
+        x /= np.linalg.norm(x)
+        seen = _seen(origin, cone @ np.stack([x, np.cross(z, x), z]) @ axes.T)
+        if len(set(seen.body.tolist())) > 1:
+            continue
+        met += 1
+        power = np.array(_WALLS)[seen.body.astype(int) - 1] * seen.cosine
+        errors.append(streams["lidar/range"][0, channel, column] - float(seen.distance @ power / power.sum()))
+        dims.append(streams["lidar/intensity"][0, channel, column] - float(power.mean()))
+    # Seven sub-rays err by terms in the fourth power of the half angle: 4e-5 of some metres, tan^4 of the incidence beside.
+    return judge(
+        that(met > 2, f"scene: beams that meet one wall alone: got {met}, expected three or more"),
+        near(
+            "worst error of ranges [m]", float(np.abs(errors).max(initial=0.0)), 0.0, 2e-3, "the fourth power of the half angle"
+        ),
+        near(
+            "worst error of intensities", float(np.abs(dims).max(initial=0.0)), 0.0, 1e-3, "the fourth power of the half angle"
+        ),
+    )
+
+
 _VIEW: dict[str, Any] = {
     "width": 24,
     "height": 18,

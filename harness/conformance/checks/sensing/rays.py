@@ -1,5 +1,7 @@
 """Checks of rays against closed forms."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from plumbline.harness.adapter import Adapter, Feature, Settings, Unsupported
@@ -12,6 +14,7 @@ from plumbline.harness.scene import (
     Capsule,
     Cylinder,
     Ellipsoid,
+    PlacedShape,
     Plane,
     Scene,
     Shape,
@@ -162,6 +165,27 @@ def ray_names_body_and_normal(adapter: Adapter, settings: Settings) -> Finding:
         that(hits.body.tolist() == [1, 0], f"bodies hit: got {hits.body.tolist()}, expected [1, 0], places in the scene"),
         near("distances [m]", hits.distance, (face, 9.9), 1e-5),
         near("normals against the rays", hits.normal_W, [(-1, 0, 0), (0, 0, -1)], 1e-4, "unit, outwards"),
+    )
+
+
+@check("Do rays meet what collides, not what is drawn?", Feature.RAYS | Feature.BOX, firm=True)
+def rays_meet_what_collides(adapter: Adapter, settings: Settings) -> Finding:
+    """Boxes of half a metre that are drawn smaller, larger, and not at all."""
+    shown = {"smaller": (0.2,), "larger": (0.9,), "unseen": ()}
+    scene = Scene(
+        bodies=tuple(
+            replace(
+                static(name, Box(half_extents=(0.5, 0.5, 0.5)), p=(5.0, 10.0 * k, 0.0)),
+                visual=tuple(PlacedShape(shape=Box(half_extents=(half, half, half))) for half in halves),
+            )
+            for k, (name, halves) in enumerate(shown.items())
+        )
+    )
+    o = np.array([[0.0, 10.0 * k, 0.0] for k in range(3)])
+    hits = _cast(adapter, settings, scene, o, np.tile((1.0, 0.0, 0.0), (3, 1)), 50.0)
+    return judge(
+        near("ranges to boxes drawn smaller, larger and not at all [m]", hits.distance, (4.5, 4.5, 4.5), 1e-5),
+        that(hits.body.tolist() == [0, 1, 2], f"bodies: got {hits.body.tolist()}, expected [0, 1, 2]"),
     )
 
 

@@ -59,8 +59,9 @@ def one_limit_leaves_the_other_side_open(adapter: Adapter, settings: Settings) -
     t, rate = 0.6, 4.0
     bodies, joints = [], []
     for k, (kind, way) in enumerate(((Prismatic, 1.0), (Prismatic, -1.0), (Revolute, 1.0), (Revolute, -1.0))):
-        motion = {"v" if kind is Prismatic else "w": (way * rate, 0.0, 0.0)}
-        body = free(f"body{k}", p=(0.0, 5.0 * k, 0.0), **motion)
+        along = (way * rate, 0.0, 0.0)
+        v, w = (along, _NOWHERE) if kind is Prismatic else (_NOWHERE, along)
+        body = free(f"body{k}", p=(0.0, 5.0 * k, 0.0), v=v, w=w)
         only = Limits(lower=-0.2) if way > 0 else Limits(upper=0.2)
         bodies.append(body)
         joints.append(

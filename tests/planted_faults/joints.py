@@ -225,3 +225,16 @@ def distance_spring_tied_to_the_centre(scene: Scene) -> Scene:
     """a spring between two bodies pulls at the child's centre of mass"""
     joints = tuple(replace(j, child_anchor_W=scene.body(j.child).p_WB) if isinstance(j, Distance) else j for j in scene.joints)
     return replace(scene, joints=joints)
+
+
+@fault(
+    "closed_loop_rests_where_it_was_built",
+    needs=Feature.REVOLUTE | Feature.BALL | Feature.CLOSED_LOOP | Feature.WRENCH,
+)
+class loops_pull_on_their_bodies(Wrapped):
+    """what closes a loop pulls on its bodies"""
+
+    def start(self) -> None:
+        count = len(self.scene.bodies)
+        if len(self.scene.joints) > count:
+            self.inner.wrench(np.tile((0.0, 0.0, 5.0), (count, 1)), np.zeros((count, 3)))

@@ -446,3 +446,9 @@ class lead_of_forces_too_long(Wrapped):
     def force_lead(self) -> float:
         """The share of a step."""
         return 0.5 + float(self.inner.force_lead)  # type: ignore[attr-defined]  # what an engine may offer
+
+
+@fault("strong_damping_brings_to_rest", needs=Feature.LINEAR_DAMPING | Feature.ANGULAR_DAMPING)
+def strong_damping_dropped(body: Body) -> Body:
+    """damping of more than 100/s is left out"""
+    return replace(body, linear_damping=0.0, angular_damping=0.0) if body.linear_damping > 100.0 else body

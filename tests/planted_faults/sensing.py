@@ -187,7 +187,11 @@ def rays_meet_what_is_drawn(body: Body) -> Body:
     return body if body.visual is None else replace(body, collision=body.visual)
 
 
-@fault("rays_see_the_present_state", needs=Feature.RAYS | Feature.SPHERE)
+@fault(
+    "rays_see_the_present_state",
+    "rays_meet_turned_shapes_of_a_body_that_turns",
+    needs=Feature.RAYS | Feature.SPHERE | Feature.BOX,
+)
 class rays_one_step_late(_WithATwin):
     """rays meet bodies where they were one step ago
 

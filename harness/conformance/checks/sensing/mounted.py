@@ -204,7 +204,7 @@ def inertial_noise_has_its_strength(adapter: Adapter, settings: Settings) -> Fin
     and B/.617 (a Gauss-Markov process whose Allan deviation is at most B), with a correlation exp(-T/tau) of neighbours.
     Source: IEEE Std 952-1997, annex C.
     """
-    count, size, tau = 400, {"accelerometer": 0.3, "gyroscope": 0.05}, COARSE / 2
+    count, size, tau = 400, {"accelerometer": 0.3, "gyroscope": 0.05}, 2 * COARSE
     laws: dict[str, Callable[[float], AxisNoise]] = {
         "white": lambda amount: AxisNoise(density=amount),
         "walk": lambda amount: AxisNoise(random_walk=amount),
@@ -230,13 +230,22 @@ def inertial_noise_has_its_strength(adapter: Adapter, settings: Settings) -> Fin
             "walk": (np.diff(walk, axis=0), amount * np.sqrt(COARSE)),
             "drift": (drift, amount / 0.617364),
         }
+        # Neighbours that are alike count for less: of n, n (1 - m^2)/(1 + m^2), m their correlation.
+        memory = np.exp(-COARSE / tau)
+        fewer = {"white": 1.0, "walk": 1.0, "drift": (1 + memory**2) / (1 - memory**2)}
         comparisons += [
-            near(f"spread of {channel}/{name}", np.std(noise) / sigma, 1.0, _SIGMAS * np.sqrt(1.4 / (2 * drawn)), "5 sigma")
+            near(
+                f"spread of {channel}/{name}",
+                np.std(noise) / sigma,
+                1.0,
+                _SIGMAS * np.sqrt(fewer[name] / (2 * drawn)),
+                "5 sigma",
+            )
             for name, (noise, sigma) in spread.items()
         ]
         beside = float(np.corrcoef(drift[:-1].ravel(), drift[1:].ravel())[0, 1])
         comparisons.append(
-            near(f"correlation of neighbours in {channel}/drift", beside, np.exp(-2.0), _SIGMAS / np.sqrt(drawn), "5 sigma")
+            near(f"correlation of neighbours in {channel}/drift", beside, memory, _SIGMAS / np.sqrt(drawn), "5 sigma")
         )
         axes = max(abs(float(np.corrcoef(white[:, a], white[:, b])[0, 1])) for a, b in ((0, 1), (1, 2), (2, 0)))
         comparisons.append(near(f"correlation of axes of {channel}/white", axes, 0.0, _SIGMAS / np.sqrt(count), "5 sigma"))

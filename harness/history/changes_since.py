@@ -12,11 +12,11 @@ from typing import Any, TypeAlias
 from plumbline.harness.findings.changes import Change, Changes, Judged, compare
 from plumbline.harness.findings.changes.matching import LOST, where_of
 from plumbline.harness.findings.changes.weights import heaviest_first
-from plumbline.harness.history.acknowledged import Acknowledgement, silenced
-from plumbline.harness.history.blocks import Cell, Key, cell_of, seen_cells
+from plumbline.harness.history.acknowledged import silenced
+from plumbline.harness.history.blocks import Cell, Key, cell_of, seen_cells, sights_of
 from plumbline.harness.history.folder import Night
 from plumbline.harness.history.identity import Named, change_id
-from plumbline.harness.history.slow_drift import OverNights
+from plumbline.harness.history.regressions import Dated
 from plumbline.harness.store.journal import DamagedFile
 from plumbline.harness.store.store import Store
 
@@ -58,9 +58,9 @@ def news_of(
     stamp: str,
     before: Sequence[Night],
     blocks: Mapping[Key, str],
-    known: dict[str, Acknowledgement],
+    known: Mapping[str, Named],
     earlier: Mapping[str, str],
-    over: Callable[[Sequence[Change]], OverNights] = lambda _rows: OverNights(),
+    over: Callable[[Sequence[Change]], Sequence[Dated]] = lambda _rows: (),
 ) -> News | None:
     """What changed in a night; None where nothing of it was seen before.
 
@@ -80,8 +80,8 @@ def news_of(
     )
     stamps = [*(night.stamp for night in before), stamp]
     told = tuple(row for row in every if silenced(Named.of(row, first_seen(row, earlier, stamp)), known, stamps) is None)
-    nights_told = over(every)
-    since = {heaviest_first([row])[0]: began for row, began in zip(nights_told.rows, nights_told.since, strict=True)}
+    dated = over(every)
+    since = {heaviest_first([one.first])[0]: one.stamp for one in dated if one.state == "open"}
     judged = [difference.judged for difference in differences] + [
         {row.engine: Judged(answers=int(row.status not in LOST), all_answers=1)}
         for row in recalled
@@ -100,7 +100,12 @@ def news_of(
             for engine in dict.fromkeys(engine for each in judged for engine in each)
         },
     )
-    return News(changes, tuple(row for row in every if row not in told), since, nights_told.ended)
+    return News(
+        changes,
+        tuple(row for row in every if row not in told),
+        since,
+        frozenset(one.id for one in dated if one.state != "open"),
+    )
 
 
 def _compared(store: Store, before: Sequence[Night], blocks: Mapping[Key, str]) -> tuple[list[Changes], list[Any]]:
@@ -116,9 +121,13 @@ def _compared(store: Store, before: Sequence[Night], blocks: Mapping[Key, str]) 
     for night in reversed(before):
         try:
             seen = seen_cells(night)
-            then = {(sight["experiment"], sight["case"]): sight["digest"] for sight in night.plan.get("blocks", ())}
+            then = {sight.key: sight.digest for sight in sights_of(night)}
             # Where all was lost then, too, there is nothing that what was lost since could be compared with.
-            cells = [cell for cell in seen if cell in waiting and (waiting[cell] is None or not seen[cell].mute)]
+            cells = [
+                cell
+                for cell in seen
+                if cell in waiting and (waiting[cell] is None or seen[cell]["lost"] < seen[cell]["trials"])
+            ]
             same = [cell for cell in cells if cell[:2] not in fresh and then[cell[:2]] == blocks[cell[:2]]]
             again: Wanted = {cell: waiting[cell] for cell in cells if waiting[cell] is not None}
             first: Wanted = {cell: None for cell in cells if cell not in again and cell not in same}

@@ -31,8 +31,8 @@ Wanted: TypeAlias = Mapping[Cell, Collection[str] | None]
 class News:
     """What changed.
 
-    Terms: changes: what nobody has acknowledged; acknowledged: the others. since: the nights from which on it is so, where
-    that is not tonight. ended: ids of earlier changes that are over.
+    Terms: changes: what nobody has acknowledged; acknowledged: the others. since: of each the night that it is called by, from
+    which on it is so. ended: ids of earlier changes that are over.
     """
 
     changes: Changes
@@ -43,14 +43,6 @@ class News:
     def regressions(self, gated: Collection[str]) -> tuple[Change, ...]:
         """What of these engines is worse."""
         return self.changes.regressions(gated)
-
-
-def first_seen(change: Change, earlier: Mapping[str, str], stamp: str) -> str:
-    """The night that a change is called by.
-
-    Args: earlier: nights by what a change is called without one, of those that last. stamp: of tonight.
-    """
-    return earlier.get(change_id(change, ""), stamp)
 
 
 def news_of(
@@ -65,8 +57,8 @@ def news_of(
     """What changed in a night; None where nothing of it was seen before.
 
     Args: store, stamp: of the night. before: whole nights, the earliest first. blocks: that it carried out, with their digests.
-    known: what was acknowledged. earlier: see `first_seen`. over: of what the night tells by itself, what all nights tell
-    beside it.
+    known: what was acknowledged. earlier: first nights of changes that last, by what they are called without one.
+    over: of what the night tells by itself, what all nights tell beside it.
     Raises: StoreError.
     """
     differences, recalled = _compared(store, before, blocks)
@@ -79,9 +71,10 @@ def news_of(
         )
     )
     stamps = [*(night.stamp for night in before), stamp]
-    told = tuple(row for row in every if silenced(Named.of(row, first_seen(row, earlier, stamp)), known, stamps) is None)
+    since = {row: earlier.get(change_id(row, ""), stamp) for row in every}
+    told = [row for row in every if silenced(Named.of(row, since[row]), known, stamps) is None]
     dated = over(every)
-    since = {heaviest_first([one.first])[0]: one.stamp for one in dated if one.state == "open"}
+    fresh = {heaviest_first([one.first])[0]: one.stamp for one in dated if one.state == "open"}
     judged = [difference.judged for difference in differences] + [
         {row.engine: Judged(answers=int(row.status not in LOST), all_answers=1)}
         for row in recalled
@@ -90,7 +83,7 @@ def news_of(
     changes = replace(
         differences[0],
         b=replace(differences[0].b, trials=len(store.trials)),
-        rows=heaviest_first([*told, *since]),
+        rows=heaviest_first([*told, *fresh]),
         matched=sum(difference.matched for difference in differences) + len(recalled),
         same=sum(difference.same for difference in differences) + sum(isinstance(row.trajectory_hash, str) for row in recalled),
         clocked=sum(difference.clocked for difference in differences),
@@ -103,7 +96,7 @@ def news_of(
     return News(
         changes,
         tuple(row for row in every if row not in told),
-        since,
+        since | fresh,
         frozenset(one.id for one in dated if one.state != "open"),
     )
 

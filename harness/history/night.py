@@ -16,10 +16,11 @@ from plumbline.harness.history.acknowledged import acknowledged, read_acknowledg
 from plumbline.harness.history.answer_store import Pool
 from plumbline.harness.history.blocks import LATELY, Key, cells_of, last_seen, last_unanswered, sights_of
 from plumbline.harness.history.budget import Budget, bytes_of, memory_peaks
-from plumbline.harness.history.changes_since import News, first_seen, news_of
+from plumbline.harness.history.changes_since import News, news_of
 from plumbline.harness.history.folder import NIGHT, SCHEMA, History, Night, stamp_of
 from plumbline.harness.history.known_searches import KnownSearches
 from plumbline.harness.history.last_answers import LastAnswers
+from plumbline.harness.history.listing import counted
 from plumbline.harness.history.night_policy import Keep, Steering
 from plumbline.harness.history.regressions import Dated
 from plumbline.harness.history.sentences import told
@@ -203,16 +204,7 @@ def accounted(history: History, done: Done, news: News | None, closing: float) -
     unstable = Counter(where[trial] for trial in clocked["trial"][clocked["unstable_timing"].fillna(value=False).astype(bool)])
     cells = cells_of(trials.itertuples())
     worse = Counter(where[row.trial_b] for row in rows if row.regression and row.trial_b in where)
-    first = _first_told(history)
-    changed = (
-        []
-        if news is None
-        else [
-            told(row, news.changes, news.since.get(row) or first_seen(row, first, night.stamp))
-            for row in rows
-            if row.sense in ("worse", "better")
-        ]
-    )
+    changed = [told(row, news.changes, news.since[row]) for row in rows if news and row.sense in ("worse", "better")]
     return {name: value for name, value in night.plan.items() if name != "blocks"} | {
         "gated": list(done.asked.gated),
         "least": done.asked.least,
@@ -221,12 +213,7 @@ def accounted(history: History, done: Done, news: News | None, closing: float) -
         "seconds": {"whole": done.budget.taken(), "closing": closing, "set_aside": done.budget.closing, "slow": steering.slow},
         "memory_mb": memory_peaks(),
         "bytes": _bytes(history, night),
-        "answers": len(trials),
-        "computed": int((trials["recalled"] == "").sum()),
-        "recalled": int((trials["recalled"] != "").sum()),
-        "again": int((trials["again"] != "").sum()),
-        "disagreements": sum(row.kind == "digest" for row in rows),
-        "clocked": len(clocked),
+        **counted(trials, sum(row.kind == "digest" for row in rows)),
         "blocks": [row | {"saw": cells.get((row["experiment"], row["case"]), {})} for row in steering.sights(unstable, worse)],
         "outcomes": {
             str(engine): {str(status): int(count) for status, count in of["status"].value_counts().items()}

@@ -17,6 +17,8 @@ Key: TypeAlias = tuple[str, str]
 
 Cell: TypeAlias = tuple[str, str, str, str]
 """Experiment, case, engine and track; of a search for settings, the track that they descend from."""
+SeenCell: TypeAlias = tuple[str, str, str, str, str]
+"""A cell, and the study that asked it: the same words of another study are another question."""
 Saw: TypeAlias = Mapping[str, Mapping[str, Any]]
 """By engine: its version, its tracks, how many trials it had, and how many of them had no answer, as 'version', 'tracks',
 'trials' and 'lost'."""
@@ -153,18 +155,18 @@ def cells_of(rows: Iterable[Any]) -> dict[Key, dict[str, dict[str, Any]]]:
     return cells
 
 
-def cell_of(row: Any) -> Cell:
+def cell_of(row: Any) -> SeenCell:
     """Where a row of the table `trials` belongs."""
-    return row.experiment, row.case, row.engine, str(row.track).partition(",")[0]
+    return row.experiment, row.case, row.engine, str(row.track).partition(",")[0], row.study
 
 
-def seen_cells(night: Night) -> dict[Cell, Mapping[str, Any]]:
+def seen_cells(night: Night) -> dict[SeenCell, Mapping[str, Any]]:
     """The cells of the blocks that a night did all of, each with what `Saw` holds of its engine.
 
     What a night of an older version does not say is read off its journal. Raises: StoreError.
     """
     return {
-        (*sight.key, engine, track): of_engine
+        (*sight.key, engine, track, night.plan["study"]): of_engine
         for sight in sights_of(night)
         if sight.done
         for engine, of_engine in (sight.saw or _of_journal(night.folder).get(sight.key, {})).items()
@@ -183,8 +185,8 @@ def last_to_see(nights: Sequence[Night]) -> set[Night]:
 
     Args: nights: whole ones, the earliest first. Raises: StoreError.
     """
-    last: dict[Cell, Night] = {}
-    fewest: dict[Cell, tuple[int, Night]] = {}
+    last: dict[SeenCell, Night] = {}
+    fewest: dict[SeenCell, tuple[int, Night]] = {}
     for night in reversed(nights):
         for cell, saw in seen_cells(night).items():
             last.setdefault(cell, night)

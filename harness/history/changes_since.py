@@ -13,7 +13,7 @@ from plumbline.harness.findings.changes import Change, Changes, Judged, compare
 from plumbline.harness.findings.changes.matching import LOST, where_of
 from plumbline.harness.findings.changes.weights import heaviest_first
 from plumbline.harness.history.acknowledged import silenced
-from plumbline.harness.history.blocks import Cell, Key, cell_of, seen_cells, sights_of
+from plumbline.harness.history.blocks import Key, SeenCell, cell_of, seen_cells, sights_of
 from plumbline.harness.history.folder import Night
 from plumbline.harness.history.identity import Named, change_id
 from plumbline.harness.history.regressions import Dated
@@ -23,7 +23,7 @@ from plumbline.harness.store.store import Store
 EARLIER = 3
 """Nights up to which back a question is looked for that the last night to see its cell was not asked: a narrower study may have
 come in between."""
-Wanted: TypeAlias = Mapping[Cell, Collection[str] | None]
+Wanted: TypeAlias = Mapping[SeenCell, Collection[str] | None]
 """Cells that are compared: all of each for None, or some of its trials."""
 
 
@@ -104,13 +104,13 @@ def news_of(
 def _compared(store: Store, before: Sequence[Night], blocks: Mapping[Key, str]) -> tuple[list[Changes], list[Any]]:
     """Each cell of tonight against the last night that saw it, the latest night first; what that one had lost, against those
     before it. Returns: what differs, and rows of the table `trials` that were recalled and are the same as then."""
-    rows: dict[Cell, list[Any]] = {}
+    rows: dict[SeenCell, list[Any]] = {}
     for row in store.trials.itertuples():
         if (row.experiment, row.case) in blocks:
             rows.setdefault(cell_of(row), []).append(row)
-    waiting: dict[Cell, Collection[str] | None] = dict.fromkeys(rows)
-    fresh, differences, recalled = _with_news(store), list[Changes](), dict[Cell, Night]()
-    looked_at = Counter[Cell]()
+    waiting: dict[SeenCell, Collection[str] | None] = dict.fromkeys(rows)
+    fresh, differences, recalled = _with_news(store), list[Changes](), dict[SeenCell, Night]()
+    looked_at = Counter[SeenCell]()
     for night in reversed(before):
         try:
             seen = seen_cells(night)

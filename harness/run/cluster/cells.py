@@ -12,7 +12,6 @@ from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cache
-from multiprocessing import process
 from pathlib import Path
 from typing import Any
 
@@ -88,17 +87,10 @@ def _host() -> str:
     return socket.gethostname()
 
 
-def _be_a_parent() -> None:
-    """Workers are daemons, which Python forbids to start processes, lest these be left behind; ours end with their server."""
-    settings: Any = process.current_process()
-    settings._config["daemon"] = False
-
-
 def answer_cell(trial: Trial) -> Answered:
     """The accuracy run of a trial. Raises: OtherPlumbline."""
     with _one_at_a_time:
         _agree(trial)
-        _be_a_parent()
         _had[trial.engine] += 1
         (record,) = run_isolated([trial], _scratch(), 1, foreseen=_had[trial.engine])
         return Answered(replace(record, answered_on=machine_digest(here())).plain(), _taken(_scratch()))
@@ -109,7 +101,6 @@ def clock_together(trials: tuple[Trial, ...], seed: int) -> Timed:
     with _one_at_a_time:
         for trial in trials:
             _agree(trial)
-        _be_a_parent()
         timings = [replace(t, clocked_on=machine_digest(here())) for t in clock_group(trials, _scratch(), random.Random(seed))]
         return Timed(tuple(timing.plain() for timing in timings))
 

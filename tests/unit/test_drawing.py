@@ -157,6 +157,8 @@ def test_a_figure_that_cannot_be_drawn_is_named_the_others_are_written_and_the_e
     def dying_once(self: _Process, picture: Picture, report: Path) -> str | bytes:
         if not deaths or deaths[0] == picture.figure.name:  # type: ignore[attr-defined]
             deaths.append(picture.figure.name)  # type: ignore[attr-defined]
+            if self._connection is None:
+                self._start()
             self._process.kill()
         return usual(self, picture, report)
 

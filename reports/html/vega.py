@@ -38,4 +38,4 @@ class _Bundle:
 
 def _made() -> str:
     with Drawing(Path()) as beside:
-        return f"{_TITLE}{beside.ask(_Bundle()).result()}"
+        return _TITLE + str(beside.ask(_Bundle()).result())

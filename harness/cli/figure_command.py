@@ -45,8 +45,8 @@ def figure(folder: Path, case: str, chart: str | None, form: str, width: int, ou
     disk.make_folder(out)
     failures: dict[str, NotMade] = {}
     with Drawing(folder) as beside:
-        asked = {f"{made.name}.{form}": beside.ask(Printed(made, form, width)) for _, made in drawn}
-        for name, waiting in asked.items():
+        files = {f"{made.name}.{form}": beside.ask(Printed(made, form, width)) for _, made in drawn}
+        for name, waiting in files.items():
             content = picture_file(name, waiting, failures)
             if isinstance(content, bytes):
                 disk.write_atomically(out / name, content)

@@ -65,22 +65,22 @@ class Origin:
 class Forked:
     """A process off a fork server, as seen from here.
 
-    Terms: server: the number of its fork server. pipe: to it and from it. told: here its server says how it ended. code: its
+    Terms: server: the number of its fork server. pipe: to it and from it. status: here its server says how it ended. code: its
     exit code, below zero for the signal that killed it; None as long as that is unknown. lost: its server died before it told.
     """
 
     pid: int
     server: int
     pipe: Connection
-    told: Connection
+    status: Connection
     code: int | None = None
     lost: bool = False
 
     def join(self, seconds: float | None) -> bool:
         """Has it ended within so many seconds, or, with None, at last?"""
-        if self.code is None and not self.lost and self.told.poll(seconds):
+        if self.code is None and not self.lost and self.status.poll(seconds):
             try:
-                self.code = int(self.told.recv_bytes())
+                self.code = int(self.status.recv_bytes())
             except (EOFError, ConnectionError):
                 self.lost = True
         return self.code is not None or self.lost
@@ -117,11 +117,11 @@ class ForkServer:
 
     def fork(self, function: Callable[..., object], arguments: Sequence[object]) -> Forked:
         """A process in which a function of a module is called, with a pipe and these arguments. Raises: ConnectionError."""
-        (pipe, theirs), (told, tells) = Pipe(), Pipe(duplex=False)
+        (pipe, theirs), (status, tells) = Pipe(), Pipe(duplex=False)
         with theirs, tells:
             socket.send_fds(self._orders, [b"f"], [theirs.fileno(), tells.fileno()])
         try:
-            process = Forked(int(told.recv_bytes()), self._process.pid, pipe, told)
+            process = Forked(int(status.recv_bytes()), self._process.pid, pipe, status)
         except EOFError:
             raise ConnectionError("a fork server died") from None
         with suppress(ConnectionError):  # one that has died says so by its end

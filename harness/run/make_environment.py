@@ -140,8 +140,8 @@ def _tried(version: EngineVersion, digest: str) -> Environment:
     command = [interpreter, "-P", "-m", "plumbline.harness.conformance.smoke", version.engine]
     ended = bounded(command, _TRIES, answers=True, env={**os.environ, "PYTHONPATH": os.pathsep.join(ours)})
     if ended.code is None or not ended.answer:
-        said = _last(ended.err.decode("utf-8", "replace"))
-        return Environment(interpreter, reason=f"its smoke checks {ended.how}{': ' * bool(said)}{said}", sources=digest)
+        words = _last(ended.err.decode("utf-8", "replace"))
+        return Environment(interpreter, reason=f"its smoke checks {ended.how}{': ' * bool(words)}{words}", sources=digest)
     found = json.loads(ended.answer)
     path = tuple(place for place in found["path"] if place not in ours)
     return Environment(interpreter, path, found["version"], one_line(found["reason"], _LONGEST), digest)

@@ -181,17 +181,17 @@ def parameters_of(experiment: Experiment, case: Case) -> Iterator[tuple[dict[str
 def check_search(experiment: Experiment, case: Case) -> None:
     """Refuse ends of a search that no trial could reach, before the first trial. Raises: StudyError."""
     limit, where = experiment.limit, f"experiment '{experiment.name}'"
-    ends = {} if limit is None else {"limit.easy": limit.easy, "limit.extreme": limit.extreme}
-    asked = {field: value for field, value in ends.items() if value is not None}
-    if limit is not None and asked and (name := axis_of(experiment, case).parameter) != "dt":
-        for field, value in asked.items():
+    both = {} if limit is None else {"limit.easy": limit.easy, "limit.extreme": limit.extreme}
+    ends = {field: value for field, value in both.items() if value is not None}
+    if limit is not None and ends and (name := axis_of(experiment, case).parameter) != "dt":
+        for field, value in ends.items():
             whole = isinstance(case.parameters[name], int) and math.isfinite(value)
             if reason := misfit(case.parameters, name, round(value) if whole else value):
                 raise StudyError(f"{where}: {field}: case '{case.name}': parameter '{name}': {reason}")
-        asked = {}
+        ends = {}
     if experiment.refine is not None:
-        asked |= {"refine.finest": experiment.refine.finest}
-    for field, dt in asked.items():
+        ends |= {"refine.finest": experiment.refine.finest}
+    for field, dt in ends.items():
         if excess := too_many_steps(case.duration, dt) if dt > 0 else f"{dt:g}, expected a time step above 0 s":
             raise StudyError(f"{where}: {field}: case '{case.name}': {excess}")
 

@@ -36,9 +36,11 @@ def run(arguments: list[str], log: str) -> int:
 
 
 def born(_origin: fork_servers.Origin, orders: socket.socket) -> psutil.Process:
-    """A fork server that is forked itself."""
+    """A fork server that is forked itself: it lets go of what the run has open, its own other end among it."""
     server = os.fork()
     if server == 0:
+        os.closerange(3, orders.fileno())
+        os.closerange(orders.fileno() + 1, 4096)
         serve(orders)
     return psutil.Process(server)
 

@@ -203,15 +203,19 @@ def _born(origin: Origin, orders: socket.socket) -> Any:
     variables = os.environ | dict.fromkeys(_THREADS, "1") | dict(origin.variables)
     if environment is not None:
         variables["PYTHONPATH"] = os.pathsep.join(project_folders())
-    modules = [*_PRELOAD, *_expected, *origin.modules]
     server = "from plumbline.harness.run.fork_server import main"
-    command = f"import sys; sys.path[:] = {path!r}; {server}; main({orders.fileno()}, {modules!r})"
+    command = f"import sys; sys.path[:] = {path!r}; {server}; main({orders.fileno()}, {_preload(origin)!r})"
     return subprocess.Popen(
         [sys.executable if environment is None else environment.executable, "-c", command],
         env=variables,
         stdin=subprocess.DEVNULL,
         pass_fds=[orders.fileno()],
     )
+
+
+def _preload(origin: Origin) -> list[str]:
+    """All that a server loads."""
+    return [*_PRELOAD, *_expected, *origin.modules]
 
 
 def _absolute(folders: Sequence[str]) -> list[str]:

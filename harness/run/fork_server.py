@@ -32,6 +32,7 @@ def main(orders: int, modules: Sequence[str]) -> None:
     A module that raises is left to the child that wants it. Garbage is not searched for while modules are loaded, since what
     they are made of stays; it is frozen then, or the first search of each child would write to all of that memory, and copy it.
     """
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # it is for whoever orders, also while this loads
     gc.disable()
     for name in modules:
         with suppress(Exception):

@@ -201,6 +201,8 @@ def _born(origin: Origin, orders: socket.socket) -> Any:
     """The process of a server. Numeric libraries use one thread in it."""
     environment, path = origin.environment, _absolute(sys.path)
     variables = os.environ | dict.fromkeys(_THREADS, "1") | dict(origin.variables)
+    if sys.dont_write_bytecode:
+        variables["PYTHONDONTWRITEBYTECODE"] = "1"
     if environment is not None:
         variables["PYTHONPATH"] = os.pathsep.join(project_folders())
     server = "from plumbline.harness.run.fork_server import main"

@@ -1,6 +1,8 @@
 """Fork servers: what is loaded in which, where things lie in memory, and what happens where loading kills one."""
 
 import os
+import signal
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -8,7 +10,7 @@ import pytest
 
 from plumbline.harness.run.fork_servers import WORTH_A_SERVER, Origin, loaded, start
 from tests.light_servers import light_servers
-from tests.told_by_processes import show_place, show_threads, tell
+from tests.told_by_processes import show_flags, show_place, show_threads, tell
 
 SELDOM = ("xml.dom.pulldom",)
 """What nobody else here loads."""
@@ -68,6 +70,16 @@ def test_processes_have_one_thread_each_and_who_starts_them_keeps_its_environmen
         assert process.pipe.recv() == ["1", "1"]
         process.join(WAIT)
         assert dict(os.environ) == before
+
+
+@pytest.mark.parametrize("writes", [True, False])
+def test_processes_write_bytecode_where_we_do_and_leave_interrupts_to_us(writes: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A module that is written anew within a second, as an engine of a drill, would be loaded as it was."""
+    monkeypatch.setattr(sys, "dont_write_bytecode", not writes)
+    monkeypatch.delenv("PYTHONDONTWRITEBYTECODE", raising=False)
+    process = start(Origin(only=str(writes)), show_flags)
+    assert process.pipe.poll(WAIT)
+    assert process.pipe.recv() == (not writes, signal.SIG_IGN)
 
 
 def place(number: int) -> int:

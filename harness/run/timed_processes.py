@@ -123,7 +123,7 @@ def _sample(pipe: Connection, bench: Bench, block: int, sampling: Sampling, plac
 
 
 @dataclass(frozen=True, slots=True)
-class Waiting:
+class Ready:
     """A worker is ready to start as soon as the others are."""
 
 
@@ -151,7 +151,7 @@ class Clocked:
         with contextlib.suppress(ConnectionError):
             self.inbox.pipe.send(message)
 
-    def answer(self, seconds: float) -> Sampling | Sample | Waiting | str | None:
+    def answer(self, seconds: float) -> Sampling | Sample | Ready | str | None:
         """The next message, a text where something went wrong, None where it is forsaken.
 
         `trouble` is set after death or the deadline. Raises: TimeIsUp, where that comes first.
@@ -193,14 +193,14 @@ class Clocked:
         pipe.close()
 
 
-def _read(kind: str, value: object) -> Sampling | Sample | Waiting | str:
+def _read(kind: str, value: object) -> Sampling | Sample | Ready | str:
     """What a child told: how it samples, that it waits, a sample, or what went wrong. Raises: BrokenMessage."""
     if kind == "sample":
         return read_sample(value)
     if kind == "sampling":
         return read_sampling(value)
     if kind == "waiting":
-        return Waiting()
+        return Ready()
     if kind == "trouble" and isinstance(value, str):
         return readable(value)
     raise BrokenMessage(f"{readable(kind, 80)}: got {readable(repr(value), 80)}, expected 'sampling', a 'sample' or 'trouble'")
@@ -257,7 +257,7 @@ class Team:
             child.ask(self.number, block, self.sampling)
         with naming([(self.trial, time.monotonic())]):
             answers = [child.answer(seconds) for child in self.children]
-            ready = [isinstance(answer, Waiting) for answer in answers]
+            ready = [isinstance(answer, Ready) for answer in answers]
             for child in (child for child, waits in zip(self.children, ready, strict=True) if waits):
                 child.tell(all(ready))
             if all(ready):
@@ -266,7 +266,7 @@ class Team:
         samples = [answer for answer in answers if isinstance(answer, Sample)]
         return joined(samples) if len(samples) == len(answers) else None
 
-    def _note(self, answers: Iterable[Sampling | Sample | Waiting | str | None]) -> None:
+    def _note(self, answers: Iterable[Sampling | Sample | Ready | str | None]) -> None:
         self.trouble = "; ".join(dict.fromkeys(answer for answer in answers if isinstance(answer, str)))
 
     def stop(self) -> None:

@@ -21,7 +21,7 @@ from plumbline.harness.run.fork_servers import Origin, start
 from plumbline.harness.run.interrupt import TimeIsUp, until
 from plumbline.harness.run.memory_watch import MemoryWatch
 from plumbline.harness.run.message import Inbox
-from plumbline.harness.run.timed_processes import Clocked, Team, Waiting, joined
+from plumbline.harness.run.timed_processes import Clocked, Ready, Team, joined
 from plumbline.harness.run.timing_protocol import clock_group, summarise
 from plumbline.harness.store.record import Sample, Timing
 from plumbline.harness.study.experiment import Experiment
@@ -232,7 +232,7 @@ def test_no_worker_starts_before_all_are_there(idle_children: list[Clocked]) -> 
     early, late = idle_children
     assert [child.answer(10.0) for child in idle_children] == [FORTY] * 2
     early.ask(0, 0, SEVEN)
-    assert early.answer(10.0) == Waiting()
+    assert early.answer(10.0) == Ready()
     assert not early.inbox.pipe.poll(0.3)
     early.tell(True)
     alone = early.answer(10.0)
@@ -244,7 +244,7 @@ def test_no_worker_starts_before_all_are_there(idle_children: list[Clocked]) -> 
     assert (sample.block, sample.steps, sample.units, sample.cpu) == (3, 7, 2, 0.014)
     assert sample.canary > 0
     late.ask(0, 0, SEVEN)
-    assert late.answer(10.0) == Waiting()
+    assert late.answer(10.0) == Ready()
     late.tell(True)
     assert cast(Sample, late.answer(10.0)).canary == 0.0
 
@@ -260,7 +260,7 @@ def test_a_worker_that_fails_does_not_keep_the_others_waiting(
         assert team.sample(0, 10.0) is None
     assert team.trouble.startswith("ValueError")
     sound.ask(0, 1, SEVEN)  # it was not let go, and serves on
-    assert sound.answer(10.0) == Waiting()
+    assert sound.answer(10.0) == Ready()
     sound.tell(False)
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from plumbline.harness.findings.changes import Changes
     from plumbline.harness.history.regressions import Trends
-    from plumbline.reports.html.report import WrittenReport
+    from plumbline.reports.html.written import WrittenReport
 
 
 def build(folder: Path) -> "WrittenReport":
@@ -88,8 +88,12 @@ def changes_page(changes: "Changes", folder: Path, gated: Collection[str] = ()) 
     return write_what_changed(changes, folder, gated)
 
 
-def trends_page(trends: "Trends", folder: Path) -> Path:
-    """Write the page Trends of a history into a folder; returns its path."""
+def trends_page(trends: "Trends", folder: Path) -> "WrittenReport":
+    """Write the page Trends of a history into a folder.
+
+    Returns:
+        Its path, and which pictures could not be drawn.
+    """
     from plumbline.reports.standalone.trends import write_trends
 
     return write_trends(trends, folder)

@@ -24,7 +24,7 @@ from plumbline.harness.trial.accuracy import outcome
 __all__: list[str] = []
 
 
-def nothing(trial: Trial) -> Answered:
+def nothing(trial: Trial, *_: object, **_of_run: object) -> Answered:
     """A cell that does nothing."""
     return Answered(outcome(trial, "unsupported", "nothing was asked").plain(), {})
 

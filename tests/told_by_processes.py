@@ -3,10 +3,11 @@
 import ctypes
 import math
 import os
+import signal
 import sys
 from multiprocessing.connection import Connection
 
-__all__ = ["show_libraries", "show_place", "show_threads", "tell"]
+__all__ = ["show_flags", "show_libraries", "show_place", "show_threads", "tell"]
 
 
 def tell(pipe: Connection, name: str) -> None:
@@ -15,6 +16,11 @@ def tell(pipe: Connection, name: str) -> None:
 
 def show_threads(pipe: Connection) -> None:
     pipe.send([os.environ.get(name) for name in ("OMP_NUM_THREADS", "NUMBA_NUM_THREADS")])
+
+
+def show_flags(pipe: Connection) -> None:
+    """Does Python write no bytecode here, and what becomes of an interrupt?"""
+    pipe.send((sys.dont_write_bytecode, signal.getsignal(signal.SIGINT)))
 
 
 def show_place(pipe: Connection) -> None:

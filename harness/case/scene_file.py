@@ -28,6 +28,8 @@ from plumbline.harness.sensors.recorder import steps_between_readings, steps_of_
 
 HEADLINE = "distance_from_limit"
 """Not measured in a trial: how far it is from what all end at is known when all have run (`harness.findings.agreement`)."""
+DURATION = 5.0
+"""How long a scene runs [s] whose companion says nothing of it."""
 LADDER = (1 / 240, 1 / 480, 1 / 960)
 """The time steps [s] that a ladder begins with; it goes on from there (`harness.search.refined_ladder`). A companion's own
 `dt` is the first, and the others are the same parts of it."""
@@ -52,7 +54,7 @@ OBSERVED = (
 )
 
 
-def own_case(path: Path, prefix: str, duration: float = 5.0) -> Case:
+def own_case(path: Path, prefix: str, duration: float = DURATION) -> Case:
     """The case that asks every engine to carry a scene file through `duration` [s]; its name is `prefix` and the path.
 
     What the companion file beside it, `NAME.plumb.toml`, says of duration, time step and commands goes before.

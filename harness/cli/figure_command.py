@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from plumbline.harness.cli.guard import say
+from plumbline.harness.cli.guard import fail_for, say
 from plumbline.harness.cli.options import opened, run_folder
 
 if TYPE_CHECKING:
@@ -28,9 +28,14 @@ if TYPE_CHECKING:
 )
 @click.option("--out", type=click.Path(file_okay=False, path_type=Path), default=Path(), help="The folder for the files.")
 def figure(folder: Path, case: str, chart: str | None, form: str, width: int, out: Path) -> None:
-    """Draw the charts of CASE in DIR: vector graphics with text as text, in the light scheme."""
+    """Draw the charts of CASE in DIR: vector graphics with text as text, in the light scheme.
+
+    Exit code 1 if a chart could not be drawn: it is named, and the others are written.
+    """
     from plumbline.harness.store import disk
-    from plumbline.reports.paper.figures import figures_of
+    from plumbline.reports.html.drawing import Drawing
+    from plumbline.reports.html.written import NotMade, picture_file
+    from plumbline.reports.paper.figures import Printed, figures_of
 
     store = opened(folder)
     _known(store, case)
@@ -38,10 +43,15 @@ def figure(folder: Path, case: str, chart: str | None, form: str, width: int, ou
     if not drawn:
         raise click.UsageError(f"case '{case}' has no trial with a number to draw{f' as {chart}' if chart else ''}")
     disk.make_folder(out)
-    for _, made in drawn:
-        path = out / f"{made.name}.{form}"
-        disk.write_atomically(path, made.drawn(form, width))
-        say(str(path))
+    failures: dict[str, NotMade] = {}
+    with Drawing(folder) as beside:
+        files = {f"{made.name}.{form}": beside.ask(Printed(made, form, width)) for _, made in drawn}
+        for name, waiting in files.items():
+            content = picture_file(name, waiting, failures)
+            if isinstance(content, bytes):
+                disk.write_atomically(out / name, content)
+                say(str(out / name))
+    fail_for([each.sentence() for each in failures.values()])
 
 
 def _known(store: "Store", case: str) -> None:

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from plumbline.harness.cli.guard import say
+from plumbline.harness.cli.guard import fail_for, say
 from plumbline.harness.cli.history_command import at_hand
 from plumbline.harness.cli.history_command import history as nights
 from plumbline.harness.cli.listing import print_json
@@ -49,7 +49,9 @@ def trends(address: str, as_json: bool) -> None:
         for error in read.unread:
             say(f"left out: {error}", err=True)
         try:
-            say(str(trends_page(read, kept.root / "report")), err=as_json)
+            written = trends_page(read, kept.root / "report")
+            say(str(written.index), err=as_json)
+            fail_for(written.sentences())
         except OSError as error:
             say(f"{kept.root / 'report'}: the page was not written: {error.strerror or error}", err=True)
 

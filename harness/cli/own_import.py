@@ -32,6 +32,7 @@ def scene_to_run(name: str, folder: Path, options: dict[str, Any]) -> str:
     imported = replace(imported, **of_run)
     if options.get("commands") or options.get("interpolate") or options.get("gains"):
         imported = _replayed(imported, options)
+    refuse_too_long(imported)
     log = options.get("states")
     states = None if log is None else _recorded(imported, log)
     counts = {word: sum(row.outcome == word for row in imported.fidelity) for word in ("exact", "approximated", "left_out")}
@@ -43,6 +44,16 @@ def scene_to_run(name: str, folder: Path, options: dict[str, Any]) -> str:
     if imported.dropped:
         say(f"dropped by the user: {', '.join(imported.dropped)}", err=True)
     return str(keep(folder, imported, states))
+
+
+def refuse_too_long(imported: "Imported") -> None:
+    """Nothing is kept or run of what takes more steps than are allowed. Raises: RobotError."""
+    from plumbline.harness.case.scene_file import DURATION, LADDER
+    from plumbline.harness.intake.refusal import RobotError
+    from plumbline.harness.study.foreseen_cost import too_many_steps
+
+    if excess := too_many_steps(imported.duration or DURATION, imported.dt or LADDER[0]):
+        raise RobotError(f"{imported.source}: {excess}")
 
 
 def _replayed(imported: "Imported", options: "dict[str, Any]") -> "Imported":

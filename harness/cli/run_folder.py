@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
     from plumbline.harness.findings.columns import Row
     from plumbline.harness.store.store import Store
+    from plumbline.reports.html.written import WrittenReport
 
 _TABLES = ("trials", "measurements", "samples")
 """Stored as they are; the others are worked out, one file each in `harness.findings.tables`."""
@@ -104,17 +105,16 @@ def report(folder: Path, show_it: bool, pdf: bool) -> None:
     history = (folder / "history.json").is_file()
     if history and pdf:
         raise click.UsageError("--pdf is for run folders; the page of a history's trends is printed by any browser")
-    written = None if history else build(opened(folder).folder)
-    index = _trends(folder) if written is None else written.index
-    say(str(index))
+    written = _trends(folder) if history else build(opened(folder).folder)
+    say(str(written.index))
     if pdf:
         say(str(print_report(folder)))
     if show_it:
-        click.launch(str(index))
-    fail_for([] if written is None else written.sentences())
+        click.launch(str(written.index))
+    fail_for(written.sentences())
 
 
-def _trends(folder: Path) -> Path:
+def _trends(folder: Path) -> "WrittenReport":
     from plumbline.harness.history.folder import opened as opened_history
     from plumbline.harness.history.regressions import read_trends
     from plumbline.reports import trends_page

@@ -139,17 +139,7 @@ class Bounded:
         return Ended(None if self._late else code, self._allowed, content, _tail(self._out), _tail(self._err))
 
     def _end(self) -> None:
-        import psutil  # late: a listing starts no program
-
-        started: list[psutil.Process] = []
-        if self._process.poll() is None:
-            with suppress(psutil.Error):
-                started = psutil.Process(self._process.pid).children(recursive=True)
-        with suppress(ProcessLookupError, PermissionError):
-            os.killpg(self._process.pid, signal.SIGKILL)
-        for other in started:
-            with suppress(psutil.Error):
-                other.kill()
+        end_with_started(self._process.pid, running=self.running)
         self._process.wait()
 
 
@@ -168,14 +158,39 @@ def bounded(
         return program.ended()
 
 
-def _as_child() -> None:
-    """Whoever started it is killed: it goes along."""
+def end_with_started(pid: int, *, running: bool) -> None:
+    """Kill a process, its group, and, as long as it runs, every other one that was started in it."""
+    import psutil  # late: a listing starts no program
+
+    started: list[psutil.Process] = []
+    if running:
+        with suppress(psutil.Error):
+            process = psutil.Process(pid)
+            started = [process, *process.children(recursive=True)]
+    with suppress(ProcessLookupError, PermissionError):
+        os.killpg(pid, signal.SIGKILL)
+    for each in started:
+        with suppress(psutil.Error):
+            each.kill()
+
+
+def end_with_parent() -> None:
+    """Whoever forked this process is killed: it goes along."""
     if _LIBRARY is not None:
         _LIBRARY.prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
+
+
+def limit_files() -> None:
+    """No image of this process is left where it dies, and it writes no file that could fill the disk."""
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     hard = resource.getrlimit(resource.RLIMIT_FSIZE)[1]
     most = _LARGEST_FILE if hard == resource.RLIM_INFINITY else min(hard, _LARGEST_FILE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (most, most))
+
+
+def _as_child() -> None:
+    end_with_parent()
+    limit_files()
 
 
 def _tail(stream: IO[bytes]) -> bytes:

@@ -311,7 +311,8 @@ def carry_out(
         disk.write_atomically(folder / "catalogue.json", catalogue)
         write_json(folder / "machine.json", machine | {"journal": journal.written.reached, "complete": False})
         reasons = {name: row["unavailable"] for name, row in engines.items()}
-        expect(preloads({case.name: case for case in cases.values() if case.name in chosen}, adapters))
+        modules = preloads({case.name: case for case in cases.values() if case.name in chosen}, adapters)
+        (expect if cluster is None else cluster.expect)(modules)
         run = _Run(
             folder=folder,
             journal=journal,

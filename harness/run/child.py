@@ -1,4 +1,4 @@
-"""Child processes: how they are confined, how they end, and what one does with a trial."""
+"""Child processes: how they are confined, how what they started ends, and what one does with a trial."""
 
 import ctypes
 import os
@@ -11,15 +11,11 @@ from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import replace
 from importlib import import_module
-from multiprocessing import forkserver
-from multiprocessing.process import BaseProcess, parent_process
 from pathlib import Path
-from typing import Any
-
-import psutil
 
 from plumbline.harness.adapter import Adapter, SettingsError, Unavailable, Unsupported
 from plumbline.harness.case import Case
+from plumbline.harness.intake.bounded import limit_files
 from plumbline.harness.run.memory_watch import be_killed_first
 from plumbline.harness.store.journal import StoreError
 from plumbline.harness.store.notices import StoredNotice
@@ -32,68 +28,28 @@ from plumbline.harness.trial.beside_tuned import SHORT, ratio_to_tuned
 from plumbline.harness.trial.ensemble import endure
 from plumbline.harness.trial.idle_knobs import idle_turns, is_surveyed
 
-_LEAVES = 3.0
-"""Seconds that a process may take to end after its last word."""
-_LARGEST_FILE = 512 * 2**20
-"""Bytes; what an engine prints beyond is lost, so that a flood cannot fill the disk."""
-_PR_SET_PDEATHSIG = 1
-"""From linux/prctl.h: the signal that a process gets when the one that forked it is gone."""
 _PR_SET_CHILD_SUBREAPER = 36
 """From linux/prctl.h: what loses its parent becomes the child of this process."""
 _GENERATIONS = 10
 """How deep the processes of processes are followed."""
 
 
-def exit_code(process: BaseProcess) -> int | None:
-    """The exit code after the pipe closed, which may come before the fork server's report.
-
-    It is waited for; a process that lives on after its last word is killed.
-    """
-    process.join(_LEAVES)
-    if process.exitcode is None:
-        end(process)
-    return process.exitcode
-
-
-def end(process: BaseProcess) -> None:
-    """End a process that was confined, and every other one that was started in it.
-
-    Where it has ended by itself, those that left its group have escaped; `end_started` is for them.
-    """
-    if process.is_alive():
-        started: list[psutil.Process] = []
-        with suppress(psutil.Error):
-            started = psutil.Process(process.pid).children(recursive=True)
-        process.kill()
-        for other in started:
-            with suppress(psutil.Error):
-                other.kill()
-        process.join()
-    with suppress(ProcessLookupError, PermissionError):
-        if process.pid:
-            os.killpg(process.pid, signal.SIGKILL)
-
-
 def confine(log: Path) -> None:
     """Send the output of this process to `log`, and limit what it may write.
 
-    An interrupt is the parent's affair; a parent that is killed takes this process along. What is started in it is of its
-    group, which ends with it. Its memory is watched from outside.
+    An interrupt is the parent's affair. What is started in it is of its group, which ends with it. Its memory is watched from
+    outside.
     """
     os.setpgid(0, 0)
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     if sys.platform == "linux":
-        ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
         ctypes.CDLL(None).prctl(_PR_SET_CHILD_SUBREAPER, 1)
-        _end_if_forsaken()
-        _let_go_of_the_server()
     be_killed_first()
     stream = os.open(log, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o644)
     os.dup2(stream, 1)
     os.dup2(stream, 2)
     os.close(stream)
-    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-    resource.setrlimit(resource.RLIMIT_FSIZE, (_LARGEST_FILE, _LARGEST_FILE))
+    limit_files()
 
 
 def end_started() -> None:
@@ -106,27 +62,6 @@ def end_started() -> None:
             with suppress(OSError):
                 os.kill(pid, signal.SIGKILL)
                 os.waitpid(pid, 0)
-
-
-def _end_if_forsaken() -> None:
-    """End this process if the server that forked it died before its death could be felt here: its work is done elsewhere."""
-    asked_by = parent_process()
-    with suppress(psutil.Error):
-        if asked_by is None or psutil.Process(os.getppid()).ppid() == asked_by.pid:
-            return
-    os._exit(1)
-
-
-def _let_go_of_the_server() -> None:
-    """Close this process's end of the pipe that keeps its fork server alive, so that the server ends with who started it.
-
-    Python gives an end to every process, and a server waits for the last. Where a run is killed over an engine that hangs, that
-    one would keep the server, the server's life would spare it, and both would stay for good.
-    """
-    server: Any = forkserver._forkserver
-    if parent_process() is not None and server._forkserver_alive_fd is not None:
-        os.close(server._forkserver_alive_fd)
-        server._forkserver_alive_fd = None
 
 
 def _load(trial: Trial, case: Case, adapter: Adapter) -> None:

@@ -7,15 +7,14 @@ from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from multiprocessing.connection import Connection, wait
-from multiprocessing.process import BaseProcess
 from pathlib import Path
 
 from plumbline.harness.case.alteration import ALONE
 from plumbline.harness.intake.bounded import named_signal
 from plumbline.harness.intake.deadline import Deadline
 from plumbline.harness.intake.safe_text import readable
-from plumbline.harness.run.child import answers, confine, end, end_started, exit_code, roughly_clocked
-from plumbline.harness.run.fork_servers import Server, context, end_varied, start_apart, start_loaded
+from plumbline.harness.run.child import answers, confine, end_started, roughly_clocked
+from plumbline.harness.run.fork_servers import Forked, Origin, end_varied, loaded, start
 from plumbline.harness.run.interrupt import naming, stop_if_asked
 from plumbline.harness.run.memory_watch import MemoryWatch, kills_for_memory
 from plumbline.harness.run.message import BrokenMessage, Inbox, read_record, send
@@ -72,7 +71,7 @@ class _Child:
     """A process at work on a trial.
 
     Terms:
-        server: it came off. watch: of its memory. inbox: its record comes here, the last word counts. deadline: of what it
+        watch: of its memory. inbox: its record comes here, the last word counts. deadline: of what it
         does now, loading its engine or answering. kills: of the system for want of memory, before it began. alone: does
         nobody run beside it? begun: when it was started, on the monotonic clock [s]. said: what has come so far. broken: what
         it said that no child may say; it is heard no more. answered: what is known of an answer that is being judged, when
@@ -81,8 +80,7 @@ class _Child:
     """
 
     trial: Trial
-    process: BaseProcess
-    server: Server
+    process: Forked
     watch: MemoryWatch
     inbox: Inbox
     log: Path
@@ -102,10 +100,10 @@ class _Child:
         try:
             for kind, value in self.inbox.lines():
                 if kind == "ready" and not self.ready:
-                    self.ready, self.deadline = True, Deadline(self.process.pid or 0, self.trial.deadline)
+                    self.ready, self.deadline = True, Deadline(self.process.pid, self.trial.deadline)
                 elif kind == "answered":
                     if self.answered is None:
-                        self.deadline = Deadline(self.process.pid or 0, self.trial.deadline)
+                        self.deadline = Deadline(self.process.pid, self.trial.deadline)
                     self.answered = read_record(self.trial, value)
                 elif kind == "record":
                     self.said = read_record(self.trial, value)
@@ -123,10 +121,10 @@ class _Child:
         The process has ended then.
         """
         try:
-            code = exit_code(self.process) if self.ended else None
+            code = self.process.exit_code() if self.ended else None
             if self.said is not None and (self.said.rough_cost or not roughly_clocked(self.trial, self.said)):
                 return self.said
-            if code and self.server.took_along(self.process):
+            if self.process.lost:
                 return outcome(self.trial, "crashed", "its fork server died with it, alone too") if self.alone else None
             end = self._end(code)
             if self.said is None and self.answered is not None and end.status in ("oom", "timeout"):
@@ -157,7 +155,7 @@ class _Child:
     def stop(self) -> None:
         """End the process, whatever it does, and what it started."""
         self.watch.stop()
-        end(self.process)
+        self.process.end()
         self.inbox.pipe.close()
 
 
@@ -182,15 +180,15 @@ def tell(pipe: Connection, trial: Trial, folder: Path) -> None:
             send(pipe, "record", outcome(trial, "crashed", f"broken contract: {error}"))
 
 
-def _server(trial: Trial, process: BaseProcess, foreseen: int) -> Server:
-    """Start the process of a trial off the server that suits it. Raises: OSError."""
-    adapter, environment = plugins.adapter(trial.engine), elsewhere(trial.engine)
+def _origin(trial: Trial, foreseen: int) -> Origin:
+    """The fork server that suits a trial."""
+    environment = elsewhere(trial.engine)
     if trial.alteration.variables:
-        return start_apart(process, 0, environment=environment, variables=trial.alteration.variables)
+        return Origin(environment=environment, variables=trial.alteration.variables)
     if trial.experiment.determinism:
         # Whether another process answers the same is asked of one that does not even have things at the same place in memory.
-        return start_apart(process, 1 if trial.alteration.name in ("again", ALONE) else 0, environment=environment)
-    return start_loaded(process, adapter.loads, foreseen, environment)
+        return Origin(environment=environment, number=1 if trial.alteration.name in ("again", ALONE) else 0)
+    return loaded(plugins.adapter(trial.engine).loads, foreseen, environment)
 
 
 def _start(trial: Trial, folder: Path, logs: Path, foreseen: int, alone: bool) -> _Child | Record:
@@ -200,21 +198,15 @@ def _start(trial: Trial, folder: Path, logs: Path, foreseen: int, alone: bool) -
     """
     kills, log = kills_for_memory(), logs / f"{trial.trial}.log"
     log.unlink(missing_ok=True)
-    forkserver = context()
-    ours, theirs = forkserver.Pipe(duplex=False)
-    process = forkserver.Process(target=_answer, args=(theirs, trial, folder, log), daemon=True)
     try:
-        server = _server(trial, process, foreseen)
+        process = start(_origin(trial, foreseen), _answer, trial, folder, log)
     except ConnectionError as error:
         if not trial.alteration.variables:
             raise
-        ours.close()
         return outcome(trial, "crashed", f"with {', '.join('='.join(each) for each in trial.alteration.variables)}: {error}")
-    finally:
-        theirs.close()
-    loading = Deadline(process.pid or 0, trial.experiment.deadline + plugins.adapter(trial.engine).compile_allowance)
-    watch = MemoryWatch(process.pid or 0, trial.experiment.memory)
-    return _Child(trial, process, server, watch, Inbox(ours), log, loading, kills, alone, time.monotonic())
+    loading = Deadline(process.pid, trial.experiment.deadline + plugins.adapter(trial.engine).compile_allowance)
+    watch = MemoryWatch(process.pid, trial.experiment.memory)
+    return _Child(trial, process, watch, Inbox(process.pipe), log, loading, kills, alone, time.monotonic())
 
 
 def run_isolated(trials: Sequence[Trial], folder: Path, workers: int, foreseen: int = 0) -> Iterator[Record]:

@@ -9,14 +9,12 @@ import json
 import os
 import re
 import shutil
-import subprocess
 import sys
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from tempfile import TemporaryDirectory
 
-from plumbline.harness.intake.bounded import named_signal
+from plumbline.harness.intake.bounded import bounded
 from plumbline.harness.intake.safe_text import one_line
 from plumbline.harness.study import plugins, sources
 from plumbline.harness.study.engine_versions import EngineVersion
@@ -121,13 +119,12 @@ def _install(uv: str | None, folder: Path, what: Sequence[str]) -> None:
 
 def _run(command: Sequence[str]) -> str:
     """What a command prints. Raises: NotMade, with the last that it said where it fails."""
-    try:
-        done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, timeout=_INSTALLS, check=False)
-    except subprocess.TimeoutExpired:
-        raise NotMade(f"its environment was not made within {_INSTALLS:g} s") from None
-    if done.returncode != 0:
-        raise NotMade(_last(done.stderr.decode("utf-8", "replace")) or f"{command[0]} ended with code {done.returncode}")
-    return done.stdout.decode("utf-8", "replace")
+    ended = bounded(command, _INSTALLS)
+    if ended.code is None:
+        raise NotMade(f"its environment was not made within {_INSTALLS:g} s")
+    if ended.code != 0:
+        raise NotMade(_last(ended.err.decode("utf-8", "replace")) or f"{command[0]} {ended.how}")
+    return ended.out.decode("utf-8", "replace")
 
 
 def _last(said: str) -> str:
@@ -140,19 +137,11 @@ def _last(said: str) -> str:
 def _tried(version: EngineVersion, digest: str) -> Environment:
     """The environment as the smoke checks find it. Raises: NotMade, OSError."""
     interpreter, ours = str(_interpreter(folder_of(version.name))), project_folders()
-    with TemporaryDirectory(prefix="plumbline-version-") as scratch:
-        out = Path(scratch) / "found.json"
-        command = [interpreter, "-P", "-m", "plumbline.harness.conformance.smoke", version.engine, str(out)]
-        environment = {**os.environ, "PYTHONPATH": os.pathsep.join(ours)}
-        try:
-            done = subprocess.run(
-                command, env=environment, stdin=subprocess.DEVNULL, capture_output=True, timeout=_TRIES, check=False
-            )
-        except subprocess.TimeoutExpired:
-            return Environment(interpreter, reason=f"its smoke checks did not end within {_TRIES:g} s", sources=digest)
-        if not out.is_file():
-            how = named_signal(-done.returncode) if done.returncode < 0 else _last(done.stderr.decode("utf-8", "replace"))
-            return Environment(interpreter, reason=f"its smoke checks died: {how}", sources=digest)
-        found = json.loads(out.read_text(encoding="utf-8"))
+    command = [interpreter, "-P", "-m", "plumbline.harness.conformance.smoke", version.engine]
+    ended = bounded(command, _TRIES, answers=True, env={**os.environ, "PYTHONPATH": os.pathsep.join(ours)})
+    if ended.code is None or not ended.answer:
+        words = _last(ended.err.decode("utf-8", "replace"))
+        return Environment(interpreter, reason=f"its smoke checks {ended.how}{': ' * bool(words)}{words}", sources=digest)
+    found = json.loads(ended.answer)
     path = tuple(place for place in found["path"] if place not in ours)
     return Environment(interpreter, path, found["version"], one_line(found["reason"], _LONGEST), digest)

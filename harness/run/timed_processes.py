@@ -12,16 +12,14 @@ import time
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from multiprocessing.connection import Connection
-from multiprocessing.process import BaseProcess
-from multiprocessing.synchronize import Barrier
 from pathlib import Path
 
 import numpy as np
 
 from plumbline.harness.intake.deadline import Deadline
 from plumbline.harness.intake.safe_text import readable
-from plumbline.harness.run.child import confine, end, end_started, exit_code
-from plumbline.harness.run.fork_servers import Server, context, start_apart
+from plumbline.harness.run.child import confine, end_started
+from plumbline.harness.run.fork_servers import Forked, Origin, start
 from plumbline.harness.run.interrupt import hour, naming, stop_if_asked
 from plumbline.harness.run.memory_watch import MemoryWatch
 from plumbline.harness.run.message import BrokenMessage, Inbox, read_sample, read_sampling, send
@@ -50,11 +48,11 @@ def _canary() -> float:
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """Where a child stands: its core, whether it is its trial's first, and the gate where workers wait for each other."""
+    """Where a child stands: its core, whether it is its trial's first, and whether workers start together."""
 
     core: int | None
     first: bool = True
-    gate: Barrier | None = None
+    together: bool = False
 
 
 def _child(pipe: Connection, trials: Sequence[Trial], place: Place, log: Path) -> None:
@@ -79,35 +77,32 @@ def _child(pipe: Connection, trials: Sequence[Trial], place: Place, log: Path) -
         except NotClocked as error:
             send(pipe, "trouble", str(error))
         except Exception as error:
-            send(pipe, "trouble", _told(error, place))
+            send(pipe, "trouble", f"{type(error).__name__}: {error}")
     if place.core is not None:
         os.sched_setaffinity(0, {place.core})
     gc.disable()
     while (order := pipe.recv()) is not None:
         try:
             number, block, sampling = order
-            send(pipe, "sample", _sample(benches[number], block, sampling, place, trials[number].experiment.deadline))
+            if (sample := _sample(pipe, benches[number], block, sampling, place)) is not None:
+                send(pipe, "sample", sample)
         except Exception as error:
-            send(pipe, "trouble", _told(error, place))
+            send(pipe, "trouble", f"{type(error).__name__}: {error}")
     for bench in benches.values():
         bench.stop()
     end_started()
 
 
-def _told(error: Exception, place: Place) -> str:
-    """An exception in words; those who wait at the gate are let go."""
-    if place.gate is not None:
-        place.gate.abort()
-    return f"{type(error).__name__}: {error}"
-
-
-def _sample(bench: Bench, block: int, sampling: Sampling, place: Place, seconds: float) -> Sample:
+def _sample(pipe: Connection, bench: Bench, block: int, sampling: Sampling, place: Place) -> Sample | None:
+    """What was clocked; None where the workers were not let go, as one of them is in trouble."""
     if not bench.endless:
         bench.start()
     # Of workers only the first tries the machine, while the others wait: together they would try each other.
     canary = _canary() if place.first else 0.0
-    if place.gate is not None:
-        place.gate.wait(seconds)
+    if place.together:
+        send(pipe, "waiting", None)
+        if not pipe.recv():
+            return None
     switches = resource.getrusage(resource.RUSAGE_SELF).ru_nivcsw
     cpu, wall = bench.clock(sampling.steps)
     switches = resource.getrusage(resource.RUSAGE_SELF).ru_nivcsw - switches
@@ -127,16 +122,20 @@ def _sample(bench: Bench, block: int, sampling: Sampling, place: Place, seconds:
     )
 
 
+@dataclass(frozen=True, slots=True)
+class Ready:
+    """A worker is ready to start as soon as the others are."""
+
+
 @dataclass(slots=True)
 class Clocked:
     """The parent's end of one child.
 
-    Terms: server: it came off. watch: of its memory. alone: is its server its engine's alone? trouble: what it died of; it
+    Terms: watch: of its memory. alone: is its server its engine's alone? trouble: what it died of; it
     serves nobody then. forsaken: it ended with a server of several engines, and nobody knows whose fault that is.
     """
 
-    process: BaseProcess
-    server: Server
+    process: Forked
     watch: MemoryWatch
     inbox: Inbox
     alone: bool = False
@@ -144,16 +143,20 @@ class Clocked:
     forsaken: bool = False
 
     def ask(self, number: int, block: int, sampling: Sampling) -> None:
-        """Ask for a sample; that a child has died while it waited is for `answer` to say."""
-        with contextlib.suppress(BrokenPipeError, ConnectionError):
-            self.inbox.pipe.send((number, block, sampling))
+        """Ask for a sample."""
+        self.tell((number, block, sampling))
 
-    def answer(self, seconds: float) -> Sampling | Sample | str | None:
+    def tell(self, message: object) -> None:
+        """Tell it something; that a child has died while it waited is for `answer` to say."""
+        with contextlib.suppress(ConnectionError):
+            self.inbox.pipe.send(message)
+
+    def answer(self, seconds: float) -> Sampling | Sample | Ready | str | None:
         """The next message, a text where something went wrong, None where it is forsaken.
 
         `trouble` is set after death or the deadline. Raises: TimeIsUp, where that comes first.
         """
-        deadline, why = Deadline(self.process.pid or 0, seconds), ""
+        deadline, why = Deadline(self.process.pid, seconds), ""
         try:
             while not why:
                 if (message := self.inbox.next(max(0.0, min(deadline.until, hour()) - time.monotonic()))) is not None:
@@ -163,7 +166,7 @@ class Clocked:
             self.trouble = f"no answer within {seconds:g} s, {why}"
             self.process.kill()
         except EOFError:
-            self.trouble = self._death(exit_code(self.process))
+            self.trouble = self._death(self.process.exit_code())
         except BrokenMessage as error:
             self.trouble = f"broken contract: {error}"
             self.process.kill()
@@ -172,7 +175,7 @@ class Clocked:
     def _death(self, code: int | None) -> str:
         if self.watch.taken:
             return f"took {self.watch.taken:.0f} MB of memory, more than its trials may together"
-        if code and self.server.took_along(self.process):
+        if self.process.lost:
             self.forsaken = not self.alone
             return "its fork server died with it"
         return f"process ended with exit code {code}"
@@ -184,19 +187,20 @@ class Clocked:
         if pipe.closed:
             return
         if not self.trouble:
-            with contextlib.suppress(BrokenPipeError, ConnectionError):
-                pipe.send(None)
+            self.tell(None)
             self.process.join(1.0)
-        end(self.process)
+        self.process.end()
         pipe.close()
 
 
-def _read(kind: str, value: object) -> Sampling | Sample | str:
-    """What a child told: how it samples, a sample, or what went wrong. Raises: BrokenMessage."""
+def _read(kind: str, value: object) -> Sampling | Sample | Ready | str:
+    """What a child told: how it samples, that it waits, a sample, or what went wrong. Raises: BrokenMessage."""
     if kind == "sample":
         return read_sample(value)
     if kind == "sampling":
         return read_sampling(value)
+    if kind == "waiting":
+        return Ready()
     if kind == "trouble" and isinstance(value, str):
         return readable(value)
     raise BrokenMessage(f"{readable(kind, 80)}: got {readable(repr(value), 80)}, expected 'sampling', a 'sample' or 'trouble'")
@@ -219,14 +223,13 @@ class Team:
     """The children of one trial, one a worker, that give a sample together.
 
     Terms:
-        number: of the trial among those that its children serve. gate: where workers wait for each other; kept for as long as
-        they live. sampling: that of the first, so that all have the same to do; None in trouble. trouble: of this trial.
+        number: of the trial among those that its children serve. sampling: that of the first, so that all have the same to do;
+        None in trouble. trouble: of this trial.
     """
 
     trial: Trial
     children: Sequence[Clocked]
     number: int = 0
-    gate: Barrier | None = None
     sampling: Sampling | None = None
     trouble: str = ""
 
@@ -254,11 +257,16 @@ class Team:
             child.ask(self.number, block, self.sampling)
         with naming([(self.trial, time.monotonic())]):
             answers = [child.answer(seconds) for child in self.children]
+            ready = [isinstance(answer, Ready) for answer in answers]
+            for child in (child for child, waits in zip(self.children, ready, strict=True) if waits):
+                child.tell(all(ready))
+            if all(ready):
+                answers = [child.answer(seconds) for child in self.children]
         self._note(answers)
         samples = [answer for answer in answers if isinstance(answer, Sample)]
         return joined(samples) if len(samples) == len(answers) else None
 
-    def _note(self, answers: Iterable[Sampling | Sample | str | None]) -> None:
+    def _note(self, answers: Iterable[Sampling | Sample | Ready | str | None]) -> None:
         self.trouble = "; ".join(dict.fromkeys(answer for answer in answers if isinstance(answer, str)))
 
     def stop(self) -> None:
@@ -279,24 +287,21 @@ def _start(trials: Sequence[Trial], folder: Path, server: int, apart: bool) -> I
 
     Args: apart: each with a server of its own.
     """
-    forkserver, cores = context(), _cores()
+    cores = _cores()
     alone = [[trial] for trial in trials if trial.workers > 1]
     engines = dict.fromkeys(trial.engine for trial in trials if trial.workers == 1)
     together = [[trial for trial in trials if trial.workers == 1 and trial.engine == engine] for engine in engines]
     for served in (*together, *alone):
         workers = served[0].workers
-        gate = forkserver.Barrier(workers) if workers > 1 else None
+        origin = Origin(number=server, only=served[0].trial if apart else "", environment=elsewhere(served[0].engine))
         log = folder / f".timing-{served[0].trial}.log"
         children = []
         for worker in range(workers):
-            ours, theirs = forkserver.Pipe()
-            place = Place(cores[worker % len(cores)], worker == 0, gate)
-            process = forkserver.Process(target=_child, args=(theirs, served, place, log), daemon=True)
-            origin = start_apart(process, server, served[0].trial if apart else "", elsewhere(served[0].engine))
-            theirs.close()
-            watch = MemoryWatch(process.pid or 0, sum(trial.experiment.memory for trial in served), _LOOKS)
-            children.append(Clocked(process, origin, watch, Inbox(ours), alone=apart))
-        yield from (Team(trial, children, number, gate) for number, trial in enumerate(served))
+            place = Place(cores[worker % len(cores)], worker == 0, workers > 1)
+            process = start(origin, _child, served, place, log)
+            watch = MemoryWatch(process.pid, sum(trial.experiment.memory for trial in served), _LOOKS)
+            children.append(Clocked(process, watch, Inbox(process.pipe), alone=apart))
+        yield from (Team(trial, children, number) for number, trial in enumerate(served))
 
 
 def ready_teams(trials: Sequence[Trial], folder: Path, server: int = 0, apart: bool = False) -> dict[str, Team]:

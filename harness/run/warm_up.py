@@ -8,15 +8,14 @@ from collections.abc import Callable, Collection, Sequence, Set
 from contextlib import suppress
 from dataclasses import dataclass, field
 from multiprocessing.connection import Connection, wait
-from multiprocessing.process import BaseProcess
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from plumbline.harness.adapter.kernels import KernelGroup, Kernels
 from plumbline.harness.intake.bounded import named_signal
 from plumbline.harness.intake.safe_text import LONGEST
-from plumbline.harness.run.child import confine, end, exit_code
-from plumbline.harness.run.fork_servers import WORTH_A_SERVER, context, start_loaded
+from plumbline.harness.run.child import confine
+from plumbline.harness.run.fork_servers import WORTH_A_SERVER, Forked, loaded, start
 from plumbline.harness.run.interrupt import stop_if_asked
 from plumbline.harness.run.message import BrokenMessage, Inbox, send
 from plumbline.harness.run.progress import Progress
@@ -82,7 +81,7 @@ def warm_up(
 class _Worker:
     """A process that compiles. Terms: number: of the group that it compiles. own: the families that it has begun."""
 
-    process: BaseProcess
+    process: Forked
     inbox: Inbox
     number: int = -1
     own: set[str] = field(default_factory=set)
@@ -105,18 +104,18 @@ class _Worker:
             return f"broken contract: {error}"
         if not self.inbox.ended:
             return None
-        code = exit_code(self.process) or 0
+        code = self.process.exit_code() or 0
         return f"the process died: {named_signal(-code)}" if code < 0 else f"the process ended with exit code {code}"
 
     def dismiss(self) -> None:
-        """Let the process end by itself: one that is killed leaves semaphores behind, of which Python warns."""
+        """Let the process end by itself."""
         self._tell(None)
-        exit_code(self.process)
+        self.process.exit_code()
         self.stop()
 
     def stop(self) -> None:
         """End the process, whatever it does."""
-        end(self.process)
+        self.process.end()
         self.inbox.pipe.close()
 
     def _tell(self, number: int | None) -> None:
@@ -125,12 +124,8 @@ class _Worker:
 
 
 def _start(kernels: Callable[[], Kernels], loads: tuple[str, ...], log: Path) -> _Worker:
-    forkserver = context()
-    ours, theirs = forkserver.Pipe()
-    process = forkserver.Process(target=_serve, args=(theirs, kernels, log), daemon=True)
-    start_loaded(process, loads, WORTH_A_SERVER)
-    theirs.close()
-    return _Worker(process, Inbox(ours))
+    process = start(loaded(loads, WORTH_A_SERVER), _serve, kernels, log)
+    return _Worker(process, Inbox(process.pipe))
 
 
 def _serve(pipe: Connection, kernels: Callable[[], Kernels], log: Path) -> None:

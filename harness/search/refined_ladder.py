@@ -29,6 +29,7 @@ from plumbline.harness.search.setting_turns import turned_trials
 from plumbline.harness.store.record import Record
 from plumbline.harness.store.store import Store
 from plumbline.harness.study.experiment import Refinement
+from plumbline.harness.study.foreseen_cost import too_many_steps
 from plumbline.harness.study.trial import Trial, question_of
 from plumbline.harness.trajectory.parting import Extent, extent
 
@@ -159,7 +160,7 @@ def _halved(
     beyond = finer < refinement.finest * (1 - _UNKNOWN)
     if beyond and (_to_the_end(limit, case) or finer < refinement.finest / 2**refinement.further * (1 - _UNKNOWN)):
         return None
-    if _spent(ladder, records, case) + 2 * _cost(record, case) > share:
+    if too_many_steps(case.duration, finer) or _spent(ladder, records, case) + 2 * _cost(record, case) > share:
         return None
     return last.probing(case, settings=last.settings.with_dt(finer), round=number)
 

@@ -16,7 +16,7 @@ from plumbline.harness.scene import Scene
 from plumbline.harness.study.axes import axis_of, steps_of
 from plumbline.harness.study.engine_versions import engine_of, named_by
 from plumbline.harness.study.experiment import Experiment, StudyError, Variant
-from plumbline.harness.study.foreseen_cost import misfit, too_much
+from plumbline.harness.study.foreseen_cost import misfit, too_many_steps, too_much
 from plumbline.harness.study.library_variants import LIBRARY_VARIANTS
 from plumbline.harness.study.trial import Trial, question_of, scene_of
 
@@ -49,6 +49,7 @@ def trials_of(
                 if experiment.limit is not None:
                     axis = axis_of(experiment, case)
                     parameters = parameters | ({} if axis.parameter == "dt" else {axis.parameter: axis.easy})
+                check_search(experiment, case)
                 members = 1 if experiment.limit is None else experiment.limit.members
                 scene = scene_of(case, parameters)
                 question = question_of(case, parameters, scene)
@@ -175,6 +176,24 @@ def parameters_of(experiment: Experiment, case: Case) -> Iterator[tuple[dict[str
         chosen = dict(case.parameters) | dict(zip(experiment.parameters, values, strict=True))
         for seed in range(case.ensemble):
             yield chosen | ({"seed": seed} if case.ensemble > 1 else {}), seed
+
+
+def check_search(experiment: Experiment, case: Case) -> None:
+    """Refuse ends of a search that no trial could reach, before the first trial. Raises: StudyError."""
+    limit, where = experiment.limit, f"experiment '{experiment.name}'"
+    both = {} if limit is None else {"limit.easy": limit.easy, "limit.extreme": limit.extreme}
+    ends = {field: value for field, value in both.items() if value is not None}
+    if limit is not None and ends and (name := axis_of(experiment, case).parameter) != "dt":
+        for field, value in ends.items():
+            whole = isinstance(case.parameters[name], int) and math.isfinite(value)
+            if reason := misfit(case.parameters, name, round(value) if whole else value):
+                raise StudyError(f"{where}: {field}: case '{case.name}': parameter '{name}': {reason}")
+        ends = {}
+    if experiment.refine is not None:
+        ends |= {"refine.finest": experiment.refine.finest}
+    for field, dt in ends.items():
+        if excess := too_many_steps(case.duration, dt) if dt > 0 else f"{dt:g}, expected a time step above 0 s":
+            raise StudyError(f"{where}: {field}: case '{case.name}': {excess}")
 
 
 def _altered(trial: Trial, case: Case, engine: Adapter, scene: Scene) -> Iterator[Trial]:

@@ -62,11 +62,16 @@ def _rays(sensor: Sensor) -> int:
             return 1
 
 
+def too_many_steps(duration: float, dt: float) -> str:
+    """How far a run of so long [s] at steps of dt [s] goes beyond the limit, in words; '' where it does not."""
+    excess = beyond("steps", math.ceil(min(duration / dt, 1e300)))
+    return f"duration {duration:g} s at dt {dt:g} s: {excess}" if excess else ""
+
+
 def too_much(case: Case, scene: Scene, dt: float, *, every_step: bool = False) -> str:
     """What a run of a scene asks for beyond a limit, at steps of dt [s], in words; '' where it does not."""
-    steps = case.duration / dt
-    if excess := beyond("steps", math.ceil(steps)):
-        return f"at dt {dt:g} s over {case.duration:g} s: {excess}"
+    if excess := too_many_steps(case.duration, dt):
+        return excess
     interval = dt if every_step or not case.sample_interval else case.sample_interval
     if excess := beyond("samples", math.ceil(case.duration / interval * len(scene.bodies))):
         return f"{len(scene.bodies)} bodies every {interval:g} s over {case.duration:g} s: {excess}"

@@ -2,6 +2,7 @@
 for."""
 
 from plumbline.harness.case import Case
+from plumbline.harness.intake.allowance import allowance
 from plumbline.harness.study.experiment import Experiment, Refinement
 from plumbline.harness.study.study import Study
 
@@ -16,9 +17,11 @@ SAMPLE = 0.01
 def study_of(case: Case, budget: float | None = None) -> Study:
     """Where every engine ends in this scene, what that costs at each step, and which effects the scene needs.
 
+    The ladder ends at a step at which a run takes as many of them as are allowed, however long it lasts.
+
     Args: budget [s]: of waiting time, BUDGET if None.
     """
-    finest = case.dt / HALVED
+    finest = max(case.dt / HALVED, case.duration / max(allowance().steps - 1, 1))
     refined = Refinement(finest=finest, member_dt=case.ladder[-1], budget=BUDGET if budget is None else budget)
     ladder = Experiment(name="ladder", dt="ladder", refine=refined, sample_seconds=SAMPLE)
     # Effects are told from an engine's own error, so that they are asked about at a step at which it is small.

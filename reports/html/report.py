@@ -5,20 +5,15 @@ import re
 import shutil
 from collections.abc import Collection, Iterator, Mapping
 from concurrent.futures import Future
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal, NamedTuple
 
-from markupsafe import escape
-
-from plumbline.harness.intake.safe_text import LONGEST, one_line
 from plumbline.harness.store.disk import put_in_place
 from plumbline.harness.store.store import Store
-from plumbline.reports.html.drawing import Drawing, NotDrawn
+from plumbline.reports.html.drawing import Drawing
 from plumbline.reports.html.policy import guarded
 from plumbline.reports.html.style import STYLE
 from plumbline.reports.html.template import environment, fill
-from plumbline.reports.html.vega import vega_bundle
+from plumbline.reports.html.written import SCRIPT, NotMade, WrittenReport, picture_file, script_file
 from plumbline.reports.page import NotLoaded, Page, Rendered, asked, pages
 
 ASSETS = ("report.css", "frame.js", "report.js", "select.js", "vega-licences.txt")
@@ -32,47 +27,20 @@ LARGE = 4_000_000
 """Bytes of a journal, those of a thousand trials, beyond which more than one process draws its pictures."""
 MOST = 4
 """Processes that draw: each brings a JavaScript engine."""
-MISSING = (
-    '<svg xmlns="http://www.w3.org/2000/svg" width="640" height="60" font-family="sans-serif" font-size="13">'
-    '<rect width="640" height="60" fill="#fff" stroke="#9aa3b0"/><text x="12" y="26">This chart could not be drawn:</text>'
-    '<text x="12" y="46">{}</text></svg>'
-)
-"""In the place of a chart, with the reason."""
-
-
-class NotMade(NamedTuple):
-    """What could not be made, and why, in a line."""
-
-    kind: Literal["page", "picture"]
-    title: str
-    reason: str
-
-
-@dataclass(frozen=True, slots=True)
-class WrittenReport:
-    """Terms: index: its first page. failed: each page and picture that could not be made."""
-
-    index: Path
-    failed: tuple[NotMade, ...]
-
-    def sentences(self) -> list[str]:
-        """A line for each page and picture that could not be made."""
-        return [one_line(f"{kind} '{title}' could not be made: {reason}", LONGEST) for kind, title, reason in self.failed]
 
 
 def rendered(store: Store) -> Mapping[str, str | bytes]:
     """The texts and pictures of all pages by file name; a page that fails is one that says so."""
-    return _rendered(store)[0]
+    return _rendered(store, {})
 
 
-def _rendered(store: Store) -> tuple[Mapping[str, str | bytes], tuple[NotMade, ...]]:
-    """The files of all pages by name, and each page and picture that failed; the first page names those.
+def _rendered(store: Store, failures: dict[str, NotMade]) -> Mapping[str, str | bytes]:
+    """The files of all pages by name; what fails is noted in `failures`, all of which the first page names.
 
     Pictures are drawn beside the pages that follow. Those that no menu lists are the pages of cases: they have nearly all
     pictures, and come first.
     """
     texts: dict[str, str | bytes] = {}
-    failures: dict[str, NotMade] = {}
     registered = sorted(pages(), key=lambda page: page.listed)
     taken: set[str] = set()
     with Drawing(store.folder / "report", _processes(store)) as beside:
@@ -84,18 +52,14 @@ def _rendered(store: Store) -> tuple[Mapping[str, str | bytes], tuple[NotMade, .
                 taken.update(made[-1][1])
         for _, files in made:
             for name, file in files.items():
-                try:
-                    texts[name] = file.result() if isinstance(file, Future) else file
-                except NotDrawn as error:
-                    failures[name] = NotMade("picture", name, str(error))
-                    if name.endswith(".svg"):  # of another one the words beside it are left
-                        texts[name] = MISSING.format(escape(one_line(str(error), 90)))
-    failed = tuple(failures.values())
+                ready = picture_file(name, file, failures) if isinstance(file, Future) else file
+                texts |= {} if ready is None else {name: ready}
     front = texts.get(FRONT)
-    if failed and isinstance(front, str):
+    if failures and isinstance(front, str):
         before, main, after = front.partition(MAIN)
-        texts[FRONT] = f"{before}{main}{environment().get_template('not_made.html').render(failed=failed)}{after}"
-    return texts, failed
+        named = environment().get_template("not_made.html").render(failed=failures.values())
+        texts[FRONT] = f"{before}{main}{named}{after}"
+    return texts
 
 
 def _processes(store: Store) -> int:
@@ -145,11 +109,10 @@ def write_report(folder: Path) -> WrittenReport:
 
     All is rendered before the old report is touched, and the new one takes its place by renaming: a reader never meets half.
     """
-    pages_of_store, failed = _rendered(Store(folder))
-    texts = dict(pages_of_store)
+    failures: dict[str, NotMade] = {}
+    texts = {SCRIPT: script_file(failures), **_rendered(Store(folder), failures)}
     report, draft, old = (Path(folder) / name for name in ("report", f".report.{os.getpid()}", f".report.{os.getpid()}.old"))
     texts |= {f"style/{name}": (STYLE / name).read_text(encoding="utf-8") for name in ASSETS}
-    texts["style/vega.js"] = vega_bundle()
     try:
         for name, text in texts.items():
             path = draft / name
@@ -164,4 +127,4 @@ def write_report(folder: Path) -> WrittenReport:
     finally:
         for leftover in (draft, old):
             shutil.rmtree(leftover, ignore_errors=True)
-    return WrittenReport(report / FRONT, failed)
+    return WrittenReport(report / FRONT, tuple(failures.values()))

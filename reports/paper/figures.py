@@ -1,5 +1,8 @@
 """The charts of a case for a paper: the same as on its page."""
 
+from dataclasses import dataclass
+from pathlib import Path
+
 from plumbline.harness.store.store import Store
 from plumbline.reports.charts.errors import error_by_step
 from plumbline.reports.charts.figure import Figure
@@ -9,6 +12,19 @@ from plumbline.reports.tables.trial_results import answers
 from plumbline.reports.tables.trial_rows import in_order
 from plumbline.reports.words.catalogue import cases, engines, tracks
 from plumbline.reports.words.text import slug
+
+
+@dataclass(frozen=True, slots=True)
+class Printed:
+    """A chart as a file of its own. Terms: form: svg, pdf or png. width: of the frame [px, or pt in a PDF]."""
+
+    figure: Figure
+    form: str
+    width: int
+
+    def kept(self, _report: Path) -> bytes:
+        """Drawn each time."""
+        return self.figure.drawn(self.form, self.width)
 
 
 def figures_of(store: Store, case: str) -> list[tuple[str, Figure]]:

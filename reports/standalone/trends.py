@@ -6,17 +6,18 @@ from itertools import pairwise
 from pathlib import Path
 from shlex import quote
 
-from plumbline.harness.history.panels import Panel, engine_panels, panels
 from plumbline.harness.history.regressions import Trends
 from plumbline.harness.history.series import Series
 from plumbline.harness.store.disk import make_folder, write_atomically
 from plumbline.reports.charts.figure import Figure
 from plumbline.reports.charts.palette import looks
+from plumbline.reports.charts.panels import Panel, engine_panels, panels
 from plumbline.reports.charts.trends import Miniature, index_chart, miniature
+from plumbline.reports.html.drawing import Drawing
 from plumbline.reports.html.policy import guarded
 from plumbline.reports.html.style import copy_style
 from plumbline.reports.html.template import environment
-from plumbline.reports.html.vega import vega_bundle
+from plumbline.reports.html.written import SCRIPT, NotMade, WrittenReport, picture_file, script_file
 from plumbline.reports.words.catalogue import FAMILIES
 
 PAGE = "index.html"
@@ -140,13 +141,15 @@ def _segments(trends: Trends) -> list[tuple[str, str]]:
     return made
 
 
-def write_trends(trends: Trends, folder: Path) -> Path:
-    """Write the page, its style and its pictures into a folder; it needs no network and no run folder. Returns: its path."""
+def write_trends(trends: Trends, folder: Path) -> WrittenReport:
+    """Write the page, its style and its pictures into a folder; it needs no network and no run folder."""
+    failures: dict[str, NotMade] = {}
     page, figures = trends_page(trends)
     make_folder(folder / "charts")
     copy_style(folder, "vega-licences.txt")
-    write_atomically(folder / "style" / "vega.js", vega_bundle().encode())
-    for figure in figures:
-        write_atomically(folder / figure.path, figure.svg.encode())
+    write_atomically(folder / SCRIPT, script_file(failures).encode())
+    with Drawing(folder) as beside:
+        for path, drawn in [(figure.path, beside.ask(figure)) for figure in figures]:
+            write_atomically(folder / path, str(picture_file(path, drawn, failures)).encode())
     write_atomically(folder / PAGE, page.encode("utf-8", "backslashreplace"))
-    return folder / PAGE
+    return WrittenReport(folder / PAGE, tuple(failures.values()))

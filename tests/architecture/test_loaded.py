@@ -27,7 +27,7 @@ BRINGS: tuple[tuple[str, set[str]], ...] = (
     ("verify run", set()),
     ("select run --need friction", set()),
     ("diff run run", {"scipy.special"}),
-    ("report run", {"jinja2", "scipy.special", "vl_convert"}),
+    ("report run", {"jinja2", "scipy.special"}),
 )
 """Commands in the order in which one process carries them out, and what each may load beyond those before it."""
 CALL = """

@@ -17,7 +17,7 @@ pytestmark = pytest.mark.browser
 @pytest.fixture(scope="module")
 def page(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("trends")
-    return trends_page(read_trends(write_history(folder / "h", 16, planted)), folder / "out")
+    return trends_page(read_trends(write_history(folder / "h", 16, planted)), folder / "out").index
 
 
 @pytest.mark.parametrize("scheme", ["light", pytest.param("dark", marks=pytest.mark.slow)])

@@ -5,15 +5,19 @@ person starts it, without the seconds in which it loads and in which it draws a 
 """
 
 import json
-import multiprocessing
 import os
+import socket
 import sys
+
+import psutil
 
 import plumbline.harness.cli.main
 import plumbline.harness.findings.summary
 import plumbline.harness.run.campaign
 import plumbline.harness.run.isolated
 import plumbline.harness.run.timed_processes
+from plumbline.harness.run import fork_servers
+from plumbline.harness.run.fork_server import serve
 from plumbline.harness.study import plugins
 from plumbline.harness.study.provenance import sources_of
 from tests.stress.unreported import end_with_the_summary
@@ -31,12 +35,21 @@ def run(arguments: list[str], log: str) -> int:
     return 0
 
 
+def born(_origin: fork_servers.Origin, orders: socket.socket) -> psutil.Process:
+    """A fork server that is forked itself: it lets go of what the run has open, its own other end among it."""
+    server = os.fork()
+    if server == 0:
+        os.closerange(3, orders.fileno())
+        os.closerange(orders.fileno() + 1, 4096)
+        serve(orders)
+    return psutil.Process(server)
+
+
 if __name__ == "__main__":
     for case in plugins.cases():
         sources_of(case, "sound")
     end_with_the_summary()
-    for module in (plumbline.harness.run.isolated, plumbline.harness.run.timed_processes):
-        module.context = lambda: multiprocessing.get_context("fork")  # type: ignore
+    fork_servers._born = born
     for line in sys.stdin:
         told = json.loads(line)
         child = os.fork()

@@ -14,6 +14,7 @@ from typing import Any
 
 import pytest
 
+from plumbline.harness.run import fork_servers
 from plumbline.harness.run.campaign import carry_out
 from plumbline.harness.run.cluster.cells import OtherPlumbline
 from plumbline.harness.run.cluster.workplace import NoScheduler, Workplace
@@ -84,6 +85,17 @@ def _hashes(records: Iterator[Record]) -> dict[str, str | None]:
     return {record.trial: record.trajectory_hash for record in records}
 
 
+def _looks(dask_worker: Any) -> tuple[str, ...]:
+    """What a worker watches itself by, which takes CPU time from cells."""
+    watching = dask_worker.periodic_callbacks.items()
+    return tuple(name for name, each in watching if name.startswith("profile") and each.is_running())
+
+
+def _loaded() -> list[str]:
+    """What fork servers of a worker load."""
+    return fork_servers._preload(fork_servers.Origin())
+
+
 def test_two_workers_give_the_run_folder_that_one_machine_gives(
     study: Study, local: dict[str, str | None], cluster: Any, tmp_path: Path
 ) -> None:
@@ -91,6 +103,9 @@ def test_two_workers_give_the_run_folder_that_one_machine_gives(
     adapters = {name: plugins.adapter(name) for name in ENGINES}
     with Workplace(cluster.scheduler_address) as workplace:
         store = carry_out(study, tmp_path / "far", cases, adapters, workers=1, resume=False, cluster=workplace)
+        looks, loaded = workplace._client.run(_looks), workplace._client.run(_loaded)
+    assert set(looks.values()) == {()}
+    assert all({"plumbline.cases.flight_box", "plumbline.adapters.dart"} <= set(modules) for modules in loaded.values())
     rows = store.trials.set_index("trial")
     assert rows["trajectory_hash"].to_dict() == local
     assert (rows["cpu_per_sim_s"] > 0).all()

@@ -3,16 +3,18 @@
 import os
 import signal
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import suppress
-from multiprocessing.process import BaseProcess
+from multiprocessing.connection import Connection
 from pathlib import Path
 
 import pandas as pd
 import psutil
 import pytest
 
-from plumbline.harness.run.fork_servers import WORTH_A_SERVER, Server, context, start_apart, start_loaded
+from plumbline.harness.run import fork_servers
+from plumbline.harness.run.fork_servers import Origin
+from plumbline.harness.run.fork_servers import start as start_process
 from plumbline.harness.store.store import Store
 from tests.conftest import Command
 from tests.light_servers import light_servers
@@ -50,7 +52,7 @@ def servers(of: int, mark: str) -> list[psutil.Process]:
     with suppress(psutil.Error):  # what has just ended
         for child in psutil.Process(of).children():
             line = " ".join(child.cmdline())
-            if "forkserver import main" in line and mark in line:
+            if "fork_server import main" in line and mark in line:
                 found.append(child)
     return found
 
@@ -124,15 +126,23 @@ def test_an_engine_that_kills_its_fork_server_costs_its_own_cells_alone(
     ledger.survived("fork servers", f"killed by an engine, timing {timing}", "other cells lost 0")
 
 
-def _nothing() -> None:
+def _nothing(_pipe: Connection) -> None:
     pass
 
 
-STARTS: dict[str, Callable[[BaseProcess], Server]] = {
-    "plain": lambda process: start_loaded(process, (), 1),
-    "loaded": lambda process: start_loaded(process, ("xml.dom.pulldom",), WORTH_A_SERVER),
-    "apart": lambda process: start_apart(process, 7),
-    "its own": lambda process: start_apart(process, 7, only="a trial"),
+def _end(_pipe: Connection, code: int) -> None:
+    os._exit(code)
+
+
+def _sleep(_pipe: Connection) -> None:
+    time.sleep(600)
+
+
+ORIGINS = {
+    "plain": Origin(),
+    "loaded": Origin(modules=("xml.dom.pulldom",)),
+    "apart": Origin(number=7),
+    "its own": Origin(number=7, only="a trial"),
 }
 
 
@@ -142,46 +152,48 @@ def light() -> Iterator[None]:
         yield
 
 
-def begun(kind: str, work: Callable[..., object], *of: object) -> tuple[BaseProcess, Server]:
-    process = context().Process(target=work, args=of, daemon=True)
-    return process, STARTS[kind](process)
-
-
-@pytest.mark.parametrize("kind", [kind if kind == "plain" else pytest.param(kind, marks=SLOW) for kind in STARTS])
+@pytest.mark.parametrize("kind", [kind if kind == "plain" else pytest.param(kind, marks=SLOW) for kind in ORIGINS])
 def test_a_fork_server_that_is_killed_has_a_successor(kind: str, light: None, ledger: Page) -> None:
     """Idle, and with a process whose end nobody can tell then; an exit code of the engine's own is no such end."""
-    process, server = begun(kind, os._exit, 255)
-    process.join(60.0)
-    assert process.exitcode == 255
-    assert not server.took_along(process)
-    os.kill(server.pid, signal.SIGKILL)
-    process, successor = begun(kind, time.sleep, 600)
-    assert server.ended
-    assert successor.pid != server.pid
-    os.kill(successor.pid, signal.SIGKILL)
-    process.join(60.0)
-    assert successor.took_along(process)
-    os.kill(process.pid or 0, signal.SIGKILL)  # what is not confined lives on
-    process, last = begun(kind, _nothing)
-    process.join(60.0)
-    assert process.exitcode == 0
-    assert not last.ended
+    origin = ORIGINS[kind]
+    process = start_process(origin, _end, 255)
+    assert process.join(60.0)
+    assert (process.code, process.lost) == (255, False)
+    os.kill(process.server, signal.SIGKILL)
+    second = start_process(origin, _sleep)
+    assert not psutil.pid_exists(process.server)
+    assert second.server != process.server
+    os.kill(second.server, signal.SIGKILL)
+    assert second.join(60.0)
+    assert (second.code, second.lost) == (None, True)
+    until = time.monotonic() + 60.0
+    while psutil.pid_exists(second.pid) and time.monotonic() < until:
+        time.sleep(0.01)
+    assert not psutil.pid_exists(second.pid)  # it went along
+    third = start_process(origin, _nothing)
+    assert third.join(60.0)
+    assert (third.code, third.lost) == (0, False)
     for when in ("idle", "with a process"):
         ledger.survived("fork servers", f"{kind}, killed {when}", "processes that could not start 0")
 
 
-@SLOW
-def test_the_tracker_of_shared_things_may_die_as_well(tmp_path: Path, with_plugins: Mapping[str, str], ledger: Page) -> None:
-    process = start(study(tmp_path, "plain"), tmp_path / "out", with_plugins, engine="slow")
-    killed, until = 0, time.monotonic() + 100.0
-    while process.poll() is None and not killed and time.monotonic() < until:
-        for child in psutil.Process(process.pid).children() if _at_work(tmp_path / "out") else ():
-            if "resource_tracker" in " ".join(child.cmdline()):
-                os.kill(child.pid, signal.SIGKILL)
-                killed += 1
+@pytest.mark.parametrize("code", [0, 1, 3, 255, -signal.SIGKILL, -signal.SIGSEGV])
+def test_how_a_process_ended_is_told_as_it_was(code: int, light: None, ledger: Page) -> None:
+    process = start_process(Origin(), _end, code) if code >= 0 else start_process(Origin(), _sleep)
+    if code < 0:
+        os.kill(process.pid, -code)
+    assert process.join(60.0)
+    assert (process.exit_code(), process.lost) == (code, False)
+    ledger.survived("fork servers", f"a process that ends with {code}", "told as it was")
+
+
+def test_whoever_orders_is_gone_and_so_are_servers_and_processes(light: None, ledger: Page) -> None:
+    """A pipe that closes is all that a server hears."""
+    process = start_process(Origin(), _sleep)
+    fork_servers._servers[Origin()]._orders.close()
+    until = time.monotonic() + 60.0
+    while psutil.pid_exists(process.pid) and time.monotonic() < until:
         time.sleep(0.01)
-    _, errors = process.communicate(timeout=200)
-    assert killed
-    assert process.returncode == 0, errors
-    assert set(answers(tmp_path / "out")["status"]) == {"passed"}
-    ledger.survived("fork servers", "resource tracker killed", f"cells lost 0 of {CELLS['plain']}")
+    assert not psutil.pid_exists(process.pid)
+    assert process.lost or process.join(60.0)
+    ledger.survived("fork servers", "whoever orders is gone", "orphans 0")

@@ -10,7 +10,7 @@ import plumbline.harness.cli.run_study
 
 if TYPE_CHECKING:
     from plumbline.harness.store.store import Store
-    from plumbline.reports.html.report import WrittenReport
+    from plumbline.reports.html.written import WrittenReport
 
 __all__ = ["end_with_the_summary", "summarised"]
 
@@ -18,7 +18,7 @@ __all__ = ["end_with_the_summary", "summarised"]
 def summarised(store: "Store", _recordings: bool) -> "WrittenReport":
     """What stands beside the tables."""
     from plumbline.harness.findings.summary import write_summary  # late, as above
-    from plumbline.reports.html.report import WrittenReport
+    from plumbline.reports.html.written import WrittenReport
 
     write_summary(store)
     return WrittenReport(store.folder / "summary.md", ())

@@ -17,16 +17,17 @@ import pytest
 
 from plumbline.harness.adapter import Settings
 from plumbline.harness.run import timed_processes as clockwork
-from plumbline.harness.run.fork_servers import Server
+from plumbline.harness.run.fork_servers import Origin, start
 from plumbline.harness.run.interrupt import TimeIsUp, until
 from plumbline.harness.run.memory_watch import MemoryWatch
 from plumbline.harness.run.message import Inbox
-from plumbline.harness.run.timed_processes import Clocked, Team, joined
+from plumbline.harness.run.timed_processes import Clocked, Ready, Team, joined
 from plumbline.harness.run.timing_protocol import clock_group, summarise
 from plumbline.harness.store.record import Sample, Timing
 from plumbline.harness.study.experiment import Experiment
 from plumbline.harness.study.trial import Trial
 from plumbline.harness.trial.bench import Sampling
+from tests.light_servers import light_servers
 
 TRIAL = Trial(
     trial="t",
@@ -40,7 +41,7 @@ TRIAL = Trial(
     settings=Settings(dt=0.01),
     seed=0,
 )
-SERVER, UNWATCHED = Server(0), cast(MemoryWatch, SimpleNamespace(taken=0.0, stop=lambda: None))
+UNWATCHED = cast(MemoryWatch, SimpleNamespace(taken=0.0, stop=lambda: None))
 SAMPLE = Sample(process=0, block=0, steps=100, cpu=0.5, wall=1.0, canary=0.001, switches=0, run=50)
 FORTY, SEVEN = Sampling(40, 20), Sampling(7)
 
@@ -206,20 +207,20 @@ class Idle:
 
 @pytest.fixture
 def idle_children(monkeypatch: pytest.MonkeyPatch) -> Iterator[list[Clocked]]:
-    """Two children of one trial that wait for each other, as threads of this process."""
+    """Two children of one trial that start together, as threads of this process."""
     monkeypatch.setattr(clockwork, "plugins", SimpleNamespace(case=str, adapter=lambda _: SimpleNamespace(laws=())))
     monkeypatch.setattr(clockwork, "Bench", Idle)
     monkeypatch.setattr(clockwork, "confine", lambda *_: None)
     monkeypatch.setattr(clockwork, "end_started", lambda: None)
     monkeypatch.setattr(clockwork, "calibrate", lambda *_: FORTY)
     monkeypatch.setattr("gc.disable", lambda: None)
-    gate, children, threads = threading.Barrier(2), [], []
+    children, threads = [], []
     for first in (True, False):
         ours, theirs = multiprocessing.Pipe()
-        place = clockwork.Place(None, first, gate)  # type: ignore[arg-type]
+        place = clockwork.Place(None, first, together=True)
         threads.append(threading.Thread(target=clockwork._child, args=(theirs, [TRIAL], place, Path())))
         threads[-1].start()
-        children.append(Clocked(SimpleNamespace(pid=None), SERVER, UNWATCHED, Inbox(ours)))  # type: ignore[arg-type]
+        children.append(Clocked(SimpleNamespace(pid=0), UNWATCHED, Inbox(ours)))  # type: ignore[arg-type]
     yield children
     for child, thread in zip(children, threads, strict=True):
         with contextlib.suppress(BrokenPipeError):
@@ -231,20 +232,36 @@ def test_no_worker_starts_before_all_are_there(idle_children: list[Clocked]) -> 
     early, late = idle_children
     assert [child.answer(10.0) for child in idle_children] == [FORTY] * 2
     early.ask(0, 0, SEVEN)
+    assert early.answer(10.0) == Ready()
     assert not early.inbox.pipe.poll(0.3)
+    early.tell(True)
+    alone = early.answer(10.0)
+    assert isinstance(alone, Sample)
+    assert (alone.block, alone.steps, alone.wall) == (0, 7, 0.007)
+    both = Team(TRIAL, idle_children, sampling=SEVEN)
+    sample = both.sample(3, 10.0)
+    assert sample is not None
+    assert (sample.block, sample.steps, sample.units, sample.cpu) == (3, 7, 2, 0.014)
+    assert sample.canary > 0
     late.ask(0, 0, SEVEN)
-    found = [child.answer(10.0) for child in (early, late)]
-    assert [(s.block, s.steps, s.wall) for s in found if isinstance(s, Sample)] == [(0, 7, 0.007)] * 2
-    assert [s.canary > 0 for s in found if isinstance(s, Sample)] == [True, False]
+    assert late.answer(10.0) == Ready()
+    late.tell(True)
+    assert cast(Sample, late.answer(10.0)).canary == 0.0
 
 
-def test_a_worker_that_fails_does_not_keep_the_others_waiting(idle_children: list[Clocked]) -> None:
+def test_a_worker_that_fails_does_not_keep_the_others_waiting(
+    idle_children: list[Clocked], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    sound, failing = idle_children
     team = Team(TRIAL, idle_children)
     team.calibrated(10.0)
-    idle_children[0].ask(0, 0, SEVEN)
-    idle_children[1].inbox.pipe.send("no order")
-    answers = " ".join(str(child.answer(10.0)) for child in idle_children)
-    assert all(name in answers for name in ("BrokenBarrierError", "ValueError"))
+    with monkeypatch.context() as patch:
+        patch.setattr(Clocked, "ask", lambda child, *_: child.tell("no order" if child is failing else (0, 0, SEVEN)))
+        assert team.sample(0, 10.0) is None
+    assert team.trouble.startswith("ValueError")
+    sound.ask(0, 1, SEVEN)  # it was not let go, and serves on
+    assert sound.answer(10.0) == Ready()
+    sound.tell(False)
 
 
 def test_one_worker_in_trouble_is_the_trials_trouble_and_no_sample() -> None:
@@ -255,28 +272,28 @@ def test_one_worker_in_trouble_is_the_trials_trouble_and_no_sample() -> None:
 
 
 def test_a_child_that_died_while_it_waited_is_trouble_and_no_crash() -> None:
-    ours, theirs = multiprocessing.Pipe()
-    process = multiprocessing.get_context("spawn").Process(target=int)
-    process.start()
-    process.join()
-    theirs.close()
-    team = Team(TRIAL, [Clocked(process, SERVER, UNWATCHED, Inbox(ours))], sampling=FORTY)
-    assert team.sample(0, 1.0) is None
-    assert "exit code 0" in team.trouble
-    team.stop()
+    with light_servers():
+        process = start(Origin(), id)
+        assert process.join(60.0)
+        team = Team(TRIAL, [Clocked(process, UNWATCHED, Inbox(process.pipe))], sampling=FORTY)
+        assert team.sample(0, 1.0) is None
+        assert "exit code 0" in team.trouble
+        team.stop()
 
 
-def test_an_hour_that_comes_ends_the_wait_for_a_sample_and_names_its_trial(idle_children: list[Clocked]) -> None:
-    """The child waits for its mate, which nobody asks; it has a minute by itself."""
+def test_an_hour_that_comes_ends_the_wait_for_a_sample_and_names_its_trial(
+    idle_children: list[Clocked], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Nobody asks the child, which has a minute by itself."""
     team = Team(TRIAL, [idle_children[0]])
     team.calibrated(10.0)
+    monkeypatch.setattr(Clocked, "ask", lambda *_: None)
     end = time.monotonic() + 0.2
     with until(lambda: end), pytest.raises(TimeIsUp) as up:
         team.sample(0, 60.0)
     (waiting,) = up.value.under_way
     assert waiting.trial == TRIAL
     assert 0.0 < waiting.seconds < 60.0
-    idle_children[1].ask(0, 0, SEVEN)
 
 
 class Mortal(Clocked):

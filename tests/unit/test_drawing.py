@@ -1,21 +1,28 @@
 """Pictures that processes draw are those that would have been drawn here; one that ends its process is missing, with why."""
 
 import os
+import shutil
 import signal
 import subprocess
+import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
 from multiprocessing.connection import Pipe
 from pathlib import Path
 
 import pytest
+from click.testing import CliRunner
 
+from plumbline.harness.cli.main import main
 from plumbline.harness.store.store import Store
 from plumbline.reports.charts.figure import Figure
 from plumbline.reports.html import report as html
+from plumbline.reports.html import vega
 from plumbline.reports.html.drawing import Drawing, NotDrawn, _Process
-from plumbline.reports.page import pages
+from plumbline.reports.page import Picture, pages
 from tests.run_folder import write_run_folder
+from tests.synthetic_history import write_history
+from tests.unit.test_trends import planted
 
 
 def chart(name: str, height: int) -> Figure:
@@ -86,6 +93,15 @@ def test_what_is_wrong_with_a_picture_is_raised_here(beside: Drawing) -> None:
     assert beside.ask(Where()).result() != str(os.getpid())
 
 
+def _let_drawing_die(patch: pytest.MonkeyPatch) -> None:
+    def dying(self: _Process) -> None:
+        self._connection, theirs = Pipe()
+        with theirs:
+            self._process = subprocess.Popen(["/bin/sh", "-c", "kill -TRAP $$"])
+
+    patch.setattr(_Process, "_start", dying)
+
+
 def test_a_report_whose_charts_cannot_be_drawn_stands_with_their_reason_in_their_place(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -93,12 +109,7 @@ def test_a_report_whose_charts_cannot_be_drawn_stands_with_their_reason_in_their
     folder = write_run_folder(tmp_path / "run", only=("joint_pendulum",))
     monkeypatch.setattr(html, "pages", lambda: [page for page in pages() if page.name in ("case", "index")])
 
-    def dying(self: _Process) -> None:
-        self._connection, theirs = Pipe()
-        with theirs:
-            self._process = subprocess.Popen(["/bin/sh", "-c", "kill -TRAP $$"])
-
-    monkeypatch.setattr(_Process, "_start", dying)
+    _let_drawing_die(monkeypatch)
     written = html.write_report(folder)
     pictures = list((written.index.parent / "charts").iterdir())
     assert pictures
@@ -107,6 +118,56 @@ def test_a_report_whose_charts_cannot_be_drawn_stands_with_their_reason_in_their
     assert {kind for kind, _, _ in written.failed} == {"picture"}
     assert "Pages and pictures that could not be made" in written.index.read_text()
     assert all(sentence.startswith("picture 'charts/") or ".webp' could" in sentence for sentence in written.sentences())
+
+
+def test_trends_whose_charts_cannot_be_drawn_stand_with_their_reason_in_their_place_and_exit_code_1(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Nothing is drawn in the process of the command, and no script is made there."""
+    history = write_history(tmp_path / "h", 8, planted).root
+    _let_drawing_die(monkeypatch)
+    monkeypatch.setitem(sys.modules, "vl_convert", None)
+    monkeypatch.setattr(vega, "read_kept", lambda _: None)
+    vega.vega_bundle.cache_clear()
+    done = CliRunner().invoke(main, ["history", "trends", str(history)])
+    vega.vega_bundle.cache_clear()
+    assert done.exit_code == 1, done.output
+    assert "script 'style/vega.js' could not be made: what draws it was killed by SIGTRAP" in done.stderr
+    pictures = list((history / "report" / "charts").iterdir())
+    assert pictures
+    for path in pictures:
+        assert "what draws it was killed by SIGTRAP" in path.read_text()
+        assert f"picture 'charts/{path.name}' could not be made: what draws it was killed by SIGTRAP" in done.stderr
+    assert (history / "report" / "index.html").is_file()
+
+
+def test_a_figure_that_cannot_be_drawn_is_named_the_others_are_written_and_the_exit_code_is_1(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder = write_run_folder(tmp_path / "run", only=("joint_pendulum",))
+    monkeypatch.setitem(sys.modules, "vl_convert", None)  # none is drawn here
+    command = ["figure", str(folder), "--case", "joint_pendulum", "--format", "svg", "--out", str(tmp_path / "out")]
+    whole = CliRunner().invoke(main, command)
+    assert whole.exit_code == 0, whole.output
+    files = {path.name: path.read_bytes() for path in (tmp_path / "out").iterdir()}
+    assert len(files) > 1
+    shutil.rmtree(tmp_path / "out")
+    usual, deaths = _Process.drawn, list[str]()
+
+    def dying_once(self: _Process, picture: Picture, report: Path) -> str | bytes:
+        if not deaths or deaths[0] == picture.figure.name:  # type: ignore[attr-defined]
+            deaths.append(picture.figure.name)  # type: ignore[attr-defined]
+            if self._connection is None:
+                self._start()
+            self._process.kill()
+        return usual(self, picture, report)
+
+    monkeypatch.setattr(_Process, "drawn", dying_once)
+    done = CliRunner().invoke(main, command)
+    assert done.exit_code == 1, done.output
+    assert done.stderr == f"picture '{deaths[0]}.svg' could not be made: what draws it was killed by SIGKILL\n"
+    del files[f"{deaths[0]}.svg"]
+    assert {path.name: path.read_bytes() for path in (tmp_path / "out").iterdir()} == files
 
 
 @pytest.mark.slow

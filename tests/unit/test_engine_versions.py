@@ -8,6 +8,7 @@ import time
 import zipfile
 from collections.abc import Iterator
 from importlib.metadata import distribution
+from multiprocessing.connection import Connection
 from pathlib import Path
 
 import pytest
@@ -16,7 +17,7 @@ from plumbline.harness.conformance import CHECKS, gate
 from plumbline.harness.conformance.apart import outcomes_in
 from plumbline.harness.conformance.smoke import SMOKE
 from plumbline.harness.run.campaign import carry_out
-from plumbline.harness.run.fork_servers import context, start_apart
+from plumbline.harness.run.fork_servers import Origin, start
 from plumbline.harness.run.make_environment import ensure
 from plumbline.harness.store.store import Store
 from plumbline.harness.study import plugins
@@ -133,7 +134,7 @@ def made(packed: EngineVersion) -> Environment:
     return ensure(packed, "mujoco")
 
 
-def _tell(out: Path) -> None:
+def _tell(_pipe: Connection, out: Path) -> None:
     import mujoco
 
     out.write_text(f"{sys.executable}\n{mujoco.__file__}\n{mujoco.__version__}")
@@ -145,9 +146,7 @@ def test_processes_of_a_version_run_on_its_interpreter_and_load_its_library(
 ) -> None:
     assert made.reason == ""
     assert elsewhere(packed.name) == made
-    process = context().Process(target=_tell, args=(tmp_path / "told",))
-    start_apart(process, 0, environment=made)
-    process.join(60)
+    start(Origin(environment=made), _tell, tmp_path / "told").join(60)
     interpreter, library, version = (tmp_path / "told").read_text().splitlines()
     assert interpreter == made.executable
     assert Path(library).is_relative_to(scratch)

@@ -6,12 +6,13 @@ from dataclasses import replace
 from itertools import product
 from pathlib import Path
 
+import psutil
 import pytest
 
 from plumbline.harness.findings.tables.determinism import Agreement, agreements, broken
 from plumbline.harness.run import campaign, fork_servers
 from plumbline.harness.run.campaign import carry_out
-from plumbline.harness.run.fork_servers import context, end_varied, start_apart
+from plumbline.harness.run.fork_servers import Origin, end_varied, start
 from plumbline.harness.run.isolated import run_isolated
 from plumbline.harness.store.store import Store
 from plumbline.harness.study import expansion, library_variants, plugins
@@ -34,13 +35,9 @@ def light() -> Iterator[None]:
 
 
 def shown(variables: library_variants.Variables) -> tuple[set[str], str, list[float]]:
-    plain = context()
-    ours, theirs = plain.Pipe(duplex=False)
-    process = plain.Process(target=show_libraries, args=(theirs,), daemon=True)
-    start_apart(process, 0, variables=variables)
-    theirs.close()
-    assert ours.poll(WAIT)
-    found: tuple[set[str], str, list[float]] = ours.recv()
+    process = start(Origin(variables=variables), show_libraries)
+    assert process.pipe.poll(WAIT)
+    found: tuple[set[str], str, list[float]] = process.pipe.recv()
     process.join(WAIT)
     return found
 
@@ -62,16 +59,14 @@ def test_each_variable_acts_on_processes_that_are_born_with_it(light: None) -> N
 
 
 def test_servers_that_were_born_with_variables_are_ended_and_no_others(light: None) -> None:
-    process = context().Process(target=int, daemon=True)
-    varied = start_apart(process, 0, variables=(("SWAYED", "1"),))
-    process.join(WAIT)
-    process = context().Process(target=int, daemon=True)
-    other = start_apart(process, 1)
-    process.join(WAIT)
+    varied = start(Origin(variables=(("SWAYED", "1"),)), id)
+    other = start(Origin(number=1), id)
+    assert varied.join(WAIT)
+    assert other.join(WAIT)
     end_varied()
-    assert varied.ended
-    assert not other.ended
-    assert [key[-1] for key in fork_servers._apart] == [()]
+    assert not psutil.pid_exists(varied.server)
+    assert psutil.pid_exists(other.server)
+    assert list(fork_servers._servers) == [Origin(number=1)]
 
 
 def test_what_the_machine_lacks_is_named(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -206,10 +206,10 @@ def test_a_report_that_cannot_be_made_leaves_the_old_one_untouched(tmp_path: Pat
     report = reports.build(write_run_folder(tmp_path / "run", only=("joint_pendulum",))).index.parent
     before = (report / "index.html").read_bytes()
 
-    def broken() -> str:
+    def broken(_failures: object) -> str:
         raise RuntimeError("no bundle")
 
-    monkeypatch.setattr(html, "vega_bundle", broken)
+    monkeypatch.setattr(html, "script_file", broken)
     with pytest.raises(RuntimeError, match="no bundle"):
         reports.build(report.parent)
     assert (report / "index.html").read_bytes() == before

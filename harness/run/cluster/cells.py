@@ -8,15 +8,14 @@ import random
 import shutil
 import tempfile
 import threading
-from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
-from multiprocessing import process
 from pathlib import Path
 from typing import Any
 
 from plumbline.harness.intake.error import PlumblineError
+from plumbline.harness.run.fork_servers import expect
 from plumbline.harness.run.isolated import run_isolated
 from plumbline.harness.run.timing_protocol import clock_group
 from plumbline.harness.store.machine_fingerprint import fingerprint, machine_digest
@@ -48,8 +47,6 @@ class Timed:
 
 
 _one_at_a_time = threading.Lock()
-_had: Counter[str] = Counter()
-"""Cells of each engine that this worker was given so far: an engine that comes often gets a fork server of its own."""
 _sent: set[str] = set()
 """Truths that the coordinator has from here."""
 
@@ -88,28 +85,25 @@ def _host() -> str:
     return socket.gethostname()
 
 
-def _be_a_parent() -> None:
-    """Workers are daemons, which Python forbids to start processes, lest these be left behind; ours end with their server."""
-    settings: Any = process.current_process()
-    settings._config["daemon"] = False
+def answer_cell(trial: Trial, foreseen: int = 0, modules: Sequence[str] = ()) -> Answered:
+    """The accuracy run of a trial.
 
-
-def answer_cell(trial: Trial) -> Answered:
-    """The accuracy run of a trial. Raises: OtherPlumbline."""
+    Args: foreseen: trials of this engine that a worker of the run will have. modules: that all processes of the run need.
+    Raises: OtherPlumbline.
+    """
     with _one_at_a_time:
         _agree(trial)
-        _be_a_parent()
-        _had[trial.engine] += 1
-        (record,) = run_isolated([trial], _scratch(), 1, foreseen=_had[trial.engine])
+        expect(modules)
+        (record,) = run_isolated([trial], _scratch(), 1, foreseen)
         return Answered(replace(record, answered_on=machine_digest(here())).plain(), _taken(_scratch()))
 
 
-def clock_together(trials: tuple[Trial, ...], seed: int) -> Timed:
-    """The timing runs of one group of trials, side by side on this machine. Raises: OtherPlumbline."""
+def clock_together(trials: tuple[Trial, ...], seed: int, modules: Sequence[str] = ()) -> Timed:
+    """The timing runs of one group of trials, side by side on this machine. Args: modules: as above. Raises: OtherPlumbline."""
     with _one_at_a_time:
         for trial in trials:
             _agree(trial)
-        _be_a_parent()
+        expect(modules)
         timings = [replace(t, clocked_on=machine_digest(here())) for t in clock_group(trials, _scratch(), random.Random(seed))]
         return Timed(tuple(timing.plain() for timing in timings))
 

@@ -51,6 +51,13 @@ def _lose_once(dask_scheduler: Any) -> None:
     dask_scheduler.allowed_failures = _LOSSES
 
 
+def _unwatched(dask_worker: Any) -> None:
+    """Runs on a worker: it no longer looks a hundred times a second at what it does, which costs a third of its CPU time."""
+    for name in ("profile", "profile-cycle"):
+        if name in dask_worker.periodic_callbacks:
+            dask_worker.periodic_callbacks[name].stop()
+
+
 class Workplace:
     """The workers of a scheduler; use as a context.
 
@@ -63,7 +70,7 @@ class Workplace:
             from distributed import Client
         except ImportError as error:
             raise NoDask(f"--scheduler: {error}; pip install 'plumbline[dask]'") from None
-        self.address = address
+        self.address, self._modules = address, tuple[str, ...]()
         self._dask_is_quiet()
         try:
             connect: Any = Client
@@ -73,6 +80,7 @@ class Workplace:
         try:
             self._client.wait_for_workers(1, timeout=_CONNECTS)
             self._client.run_on_scheduler(_lose_once)
+            self._client.run(_unwatched)
             self._kinds: dict[str, Mapping[str, Any]] = self._client.run(here)
         except (OSError, ValueError) as error:
             self.close()
@@ -97,6 +105,10 @@ class Workplace:
         for name in ("distributed.client", "distributed.comm", "distributed.core", "distributed.batched"):
             logging.getLogger(name).setLevel(logging.CRITICAL)
 
+    def expect(self, modules: Sequence[str]) -> None:
+        """Have these loaded in fork servers of the workers: what a run's processes would load one by one."""
+        self._modules = tuple(modules)
+
     def described(self) -> list[str]:
         """In sentences, what machines the workers are on, and which of them clock."""
         kinds = Counter(machine_digest(kind) for kind in self._kinds.values())
@@ -108,19 +120,20 @@ class Workplace:
         return f"workers: {count} on {kind['processor']}, {kind['cores']} cores, {kind['system']}{clocks}"
 
     def answers(
-        self, trials: Sequence[Trial], folder: Path, at_once: int = 0, answer: Callable[[Trial], Answered] = answer_cell
+        self, trials: Sequence[Trial], folder: Path, at_once: int = 0, answer: Callable[..., Answered] = answer_cell
     ) -> Iterator[Record]:
         """Records as they come in, one for each trial, their files in the folder; leaving early calls back what is under way.
 
-        Args: at_once: cells that may run at a time; 0 for all workers. answer: what a worker does for one.
+        Args: at_once: cells that may run at a time; 0 for all workers. answer: what a worker does for one, as `answer_cell`.
         Raises: NoScheduler, OtherPlumbline, OSError.
         """
         waiting, under_way = deque(trials), dict[Any, Trial]()
+        foreseen = Counter(trial.engine for trial in trials)
         ended: queue.SimpleQueue[Any] = queue.SimpleQueue()
         try:
             while waiting or under_way:
                 with self._reaching(folder):
-                    for future, cell in self._handed_out(waiting, len(under_way), at_once, answer):
+                    for future, cell in self._handed_out(waiting, len(under_way), at_once, answer, foreseen):
                         under_way[future] = cell
                         future.add_done_callback(ended.put)
                 done = self._next(ended, folder)
@@ -140,14 +153,27 @@ class Workplace:
             self._call_back(under_way)
 
     def _handed_out(
-        self, waiting: deque[Trial], under_way: int, at_once: int, answer: Callable[[Trial], Answered]
+        self,
+        waiting: deque[Trial],
+        under_way: int,
+        at_once: int,
+        answer: Callable[..., Answered],
+        foreseen: Mapping[str, int],
     ) -> list[tuple[Any, Trial]]:
         """Some more cells, where there are few under way."""
         most = at_once or max(_FEWEST, _AHEAD * len(self._client.nthreads())) if waiting else 0
         if under_way > most // 2:
             return []
         cells = [waiting.popleft() for _ in range(min(len(waiting), most - under_way))]
-        futures = self._client.map(answer, cells, key=[f"cell-{cell.trial}" for cell in cells], batch_size=_FEWEST)
+        workers = max(1, len(self._client.nthreads()))
+        futures = self._client.map(
+            answer,
+            cells,
+            [foreseen[cell.engine] // workers for cell in cells],
+            key=[f"cell-{cell.trial}" for cell in cells],
+            batch_size=_FEWEST,
+            modules=self._modules,
+        )
         return list(zip(futures, cells, strict=True))
 
     def clocked(self, groups: Iterable[tuple[Trial, ...]], folder: Path) -> Iterator[Timing]:
@@ -167,7 +193,7 @@ class Workplace:
                     for worker in (worker for host, worker in hosts.items() if host not in busy and waiting):
                         number, group = waiting.popleft()
                         asked = {"workers": [worker], "allow_other_workers": False, "pure": False}
-                        future = self._client.submit(clock_together, group, number, **asked)
+                        future = self._client.submit(clock_together, group, number, self._modules, **asked)
                         under_way[future] = (worker, number, group)
                         future.add_done_callback(ended.put)
                 if not under_way:

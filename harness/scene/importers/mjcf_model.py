@@ -4,8 +4,6 @@ import io
 import json
 import os
 import re
-import signal
-import subprocess
 import sys
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from plumbline.harness.intake.bounded import bounded
 from plumbline.harness.intake.refusal import RobotError
 from plumbline.harness.intake.safe_text import one_line, readable
 from plumbline.harness.scene.importers import mjcf_compiler
@@ -71,33 +70,18 @@ def compile_apart(text: Prepared, file: str) -> Model:
         for name, raw in text.assets.items():
             (folder / name).write_bytes(raw)
         command = [sys.executable, "-I", str(Path(mjcf_compiler.__file__)), scratch]
-        try:
-            done = subprocess.run(
-                command,
-                stdin=subprocess.DEVNULL,
-                capture_output=True,
-                timeout=DEADLINE,
-                check=False,
-                cwd=scratch,
-                env=os.environ | _NO_WINDOW,
-            )
-        except subprocess.TimeoutExpired:
-            raise RobotError(f"{file}: MuJoCo's compiler did not end within {DEADLINE:g} s; expected a smaller model") from None
+        ended = bounded(command, DEADLINE, cwd=scratch, env=os.environ | _NO_WINDOW)
+        if ended.code is None:
+            raise RobotError(f"{file}: MuJoCo's compiler {ended.how}; expected a smaller model")
         out, error, known = folder / "out.npz", folder / "error.txt", folder / "schema.txt"
         schema = known.read_text(encoding="utf-8") if known.is_file() else ""
-        if out.is_file() and done.returncode == 0:
+        if out.is_file() and ended.code == 0:
             look_for_misspelt(text, schema)
             return model_of(out.read_bytes())
         if error.is_file():
             raise RobotError(said_of(error.read_text(encoding="utf-8", errors="replace"), text, file, schema))
-        raise RobotError(f"{file}: MuJoCo's compiler {_death(done.returncode, done.stderr)}")
-
-
-def _death(code: int, stderr: bytes) -> str:
-    lines = one_line(stderr.decode("utf-8", "replace").strip().splitlines()[-1], 200) if stderr.strip() else ""
-    if code < 0:
-        return f"died of {signal.Signals(-code).name if -code in signal.valid_signals() else -code}{': ' * bool(lines)}{lines}"
-    return f"ended with code {code} and no model{': ' * bool(lines)}{lines}"
+        words = f": {one_line(ended.last_words, 200)}" if ended.last_words else ""
+        raise RobotError(f"{file}: MuJoCo's compiler {ended.how} and left no model{words}")
 
 
 def look_for_misspelt(text: Prepared, schema: str) -> None:

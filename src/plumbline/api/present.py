@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from plumbline.harness.store.store import Store
-    from plumbline.reports.html.report import WrittenReport
+    from plumbline.reports.html.written import WrittenReport
 
 
 def present(store: "Store", recordings: bool) -> "WrittenReport":

@@ -1,9 +1,12 @@
 """Every planted fault is noticed by the checks of the cases themselves, and a sound engine fails none of them."""
 
+import tomllib
+from collections import Counter
 from fnmatch import fnmatchcase
 
 import pytest
 
+from plumbline.harness.conformance import CHECKS
 from plumbline.harness.study import plugins
 from plumbline.harness.trajectory import State
 from tests.conformance.fault_matrix import FILE, NAMED, applied, broken_checks, caught, known, sound_failures, steps
@@ -42,6 +45,27 @@ def test_the_page_counts_and_names_every_planted_fault() -> None:
     text = FILE.read_text(encoding="utf-8")
     assert f"in one way, {len(FAULTS)} ways in all" in text
     assert not [name for name in FAULT if f"| `{name}` |" not in text]
+
+
+def test_the_faults_thought_out_from_the_code_can_be_planted_and_are_counted_on_the_page() -> None:
+    root = FILE.parents[1]
+    fresh = tomllib.loads((root / "tests" / "fresh_faults.toml").read_text(encoding="utf-8"))["fault"]
+    counts = Counter(fault["kind"] for fault in fresh)
+    numbers = (len(fresh), *(counts[kind] for kind in ("adapter", "sensor", "metric", "page")))
+    told = "holds {} more faults of one line, in adapters ({}), in what reads sensors ({}), in metrics and verdicts ({}) and in"
+    text = " ".join(FILE.read_text(encoding="utf-8").split())
+    assert told.format(*numbers[:4]) in text
+    assert f"in pages and tables ({counts['page']})" in text
+    for fault in fresh:
+        assert (root / fault["file"]).read_text(encoding="utf-8").count(fault["old"]) == 1, fault["name"]
+        assert fault["old"] != fault["new"]
+        assert all((root / test.partition("::")[0]).is_file() for test in fault["tests"]), fault["name"]
+
+
+def test_the_page_names_only_checks_and_cases_that_there_are() -> None:
+    rows = [line.strip("| \n").split(" | ") for line in FILE.read_text(encoding="utf-8").splitlines() if line.startswith("| ")]
+    named = {name.strip("`") for row in rows if len(row) == 3 and row[1].startswith("`") for name in row[2].split(", ")}
+    assert named <= {check.name for check in CHECKS} | set(plugins.cases()) | {"noise_axes_are_independent"}
 
 
 def _look(fault: Fault, case: str) -> None:

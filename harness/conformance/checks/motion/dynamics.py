@@ -282,8 +282,8 @@ def force_lead_is_what_a_step_shows(adapter: Adapter, settings: Settings) -> Fin
         simulation.wrench(push, np.zeros((1, 3)))
         simulation.step()
         end = state_of(simulation, scene)
-    way = float(end.p_WB[0] @ push[0]) / 13.0
-    return judge(near("way of the first step [m]", way, (1.0 - lead) * 13.0 / 2.0 * dt**2, 0.02 * 13.0 / 2.0 * dt**2, "2 %"))
+    gone = float(end.p_WB[0] @ push[0]) / 13.0
+    return judge(near("way of the first step [m]", gone, (1.0 - lead) * 13.0 / 2.0 * dt**2, 0.02 * 13.0 / 2.0 * dt**2, "2 %"))
 
 
 @check("Does a strong damping bring a body to rest?", Feature.LINEAR_DAMPING | Feature.ANGULAR_DAMPING)

@@ -432,15 +432,15 @@ def depth_camera_reads_between_its_bounds(adapter: Adapter, settings: Settings) 
     odd = int((names != np.where(expected == np.inf, -1, body)).sum())
     stereo = (1 / streams["stereo/depth"][1] - 1 / depth) * 16.0 * 0.1 / 0.05
     flight = (streams["flight/depth"][1] - depth) / ahead / (0.01 + 0.02 * depth / ahead)
-    kept = np.isfinite(flight)
+    valid = np.isfinite(flight)
     return judge(
         near("stamps [s]", streams["plain/time"], (0.0, 6 * COARSE), 1e-9),
         that(min(cut) > 1, f"scene: pixels that see something too near and too far: got {cut}, expected some of both"),
         _worst("z-depths [m]", got, expected, 1e-4, "rounding in single precision; -inf below the bounds, inf beyond"),
         that(odd == 0, f"bodies: got {odd} pixels of others, expected none; -1 beyond the bounds"),
         near("spread of disparities, as told 1", np.std(stereo), 1.0, _SIGMAS / np.sqrt(2 * stereo.size), "5 sigma"),
-        near("spread by time of flight, as told 1", np.std(flight[kept]), 1.0, _SIGMAS / np.sqrt(2 * kept.sum()), "5 sigma"),
-        near("share of pixels missing", 1 - kept.mean(), 0.1, _SIGMAS * np.sqrt(0.09 / kept.size), "5 sigma"),
+        near("spread by time of flight, as told 1", np.std(flight[valid]), 1.0, _SIGMAS / np.sqrt(2 * valid.sum()), "5 sigma"),
+        near("share of pixels missing", 1 - valid.mean(), 0.1, _SIGMAS * np.sqrt(0.09 / valid.size), "5 sigma"),
     )
 
 

@@ -28,8 +28,8 @@ def read_acknowledged(history: History) -> tuple[dict[str, Named], list[DamagedF
             continue
         try:
             row = json.loads(line)
-            said = {name: row[name] for name in ("id", "note", "when")}  # lines of an older version say nothing else
-            entry = Named(**{each.name: str((row | said).get(each.name, "")) for each in fields(Named)})
+            always = {name: row[name] for name in ("id", "note", "when")}  # lines of an older version say nothing else
+            entry = Named(**{each.name: str((row | always).get(each.name, "")) for each in fields(Named)})
         except (ValueError, KeyError, TypeError) as error:
             what_is_wrong = f"line {number}: {error!r}, expected id, note and when"
             damaged.append(DamagedFile(path, what_is_wrong, "mend or delete the line"))

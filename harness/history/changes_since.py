@@ -74,7 +74,7 @@ def news_of(
     since = {row: earlier.get(change_id(row, ""), stamp) for row in every}
     told = [row for row in every if silenced(Named.of(row, since[row]), known, stamps) is None]
     dated = over(every)
-    fresh = {heaviest_first([one.first])[0]: one.stamp for one in dated if one.state == "open"}
+    fresh = {heaviest_first([change.first])[0]: change.stamp for change in dated if change.state == "open"}
     judged = [difference.judged for difference in differences] + [
         {row.engine: Judged(answers=int(row.status not in LOST), all_answers=1)}
         for row in recalled
@@ -97,7 +97,7 @@ def news_of(
         changes,
         tuple(row for row in every if row not in told),
         since | fresh,
-        frozenset(one.id for one in dated if one.state != "open"),
+        frozenset(change.id for change in dated if change.state != "open"),
     )
 
 

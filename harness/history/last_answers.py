@@ -34,10 +34,10 @@ class LastAnswers:
         if (stamp := store.folder.name) not in self._rows:
             self._rows[stamp] = {_question(row): row for row in store.trials.itertuples()}
         plain = (json.dumps(each, sort_keys=True) for each in (trial.alteration.plain(), dict(trial.parameters)))
-        asked = (trial.engine, trial.track, trial.settings.dt, trial.seed, trial.members, trial.parts, trial.remedy)
-        return self._rows[stamp].get((*block, *asked, *plain))
+        question = (trial.engine, trial.track, trial.settings.dt, trial.seed, trial.members, trial.parts, trial.remedy)
+        return self._rows[stamp].get((*block, *question, *plain))
 
 
 def _question(row: Any) -> Hashable:
-    asked = (row.engine, row.track, row.dt, row.seed, row.members, row.parts, row.remedy)
-    return row.experiment, row.case, *asked, row.alteration, row.parameters
+    question = (row.engine, row.track, row.dt, row.seed, row.members, row.parts, row.remedy)
+    return row.experiment, row.case, *question, row.alteration, row.parameters

@@ -87,8 +87,8 @@ def said_by(history: History, night: Night, store: Store) -> Content:
         pass  # it is made of what is there still
     content = _read(night, store)
     # Numbers that are not finite are among them, which a sealed file has no word for.
-    said = json.dumps({**content, "night": asdict(content["night"])})
-    file = {"dates": dates, "rests_on": _rests_on(night, files), "said": said}
+    text = json.dumps({**content, "night": asdict(content["night"])})
+    file = {"dates": dates, "rests_on": _rests_on(night, files), "said": text}
     with suppress(OSError):  # of a history that can only be read, each reader reads the nights anew
         disk.make_folder(path.parent)
         disk.write_atomically(path, sealed_json(path.name, file))

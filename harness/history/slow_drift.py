@@ -69,5 +69,5 @@ def over_nights(
             break
         fresh.append(untold)
     rows = (replace(one.first, detail=f"over all nights, on this level since {one.stamp}") for one in fresh)
-    ended = (one for one in dated if one.state in ("mended", "another version"))
-    return *(replace(one, changes=(row,)) for one, row in zip(fresh, rows, strict=True)), *ended
+    ended = (change for change in dated if change.state in ("mended", "another version"))
+    return *(replace(change, changes=(row,)) for change, row in zip(fresh, rows, strict=True)), *ended

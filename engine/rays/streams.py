@@ -90,14 +90,15 @@ def meet_plane(n: int, rays: Rays, c: Vec, normal: Vec, t: Floats) -> None:
     ox, oy, oz, dx, dy, dz = rays
     for i in range(n):
         height = normal[0] * (ox[i] - c[0]) + normal[1] * (oy[i] - c[1]) + normal[2] * (oz[i] - c[2])
-        found = -height / (normal[0] * dx[i] + normal[1] * dy[i] + normal[2] * dz[i])
+        slope = normal[0] * dx[i] + normal[1] * dy[i] + normal[2] * dz[i]
+        found = -height / (slope if slope != 0.0 else math.nan)
         t[i] = found if found >= 0.0 else MISS
 
 
 @kernel
 def slab(o: float, d: float, half: float) -> tuple[float, float]:
     """Entry and exit of |o + t d| <= half; all of t or none of it where d = 0."""
-    inverse = 1.0 / d
+    inverse = 1.0 / (d if d != 0.0 else math.nan)
     one, two = (-half - o) * inverse, (half - o) * inverse
     near, far = (one, two) if d > 0.0 else (two, one)
     flat = MISS if abs(o) > half else -MISS

@@ -184,7 +184,8 @@ class Adapter(ABC):
         engine's own. laws: the functions, 'module:name' or 'module:class.name', by which it works such features out in every
         step: a price tells which share of it they took. advantages: of the engine that the others are compared with, why it
         errs least where it does: '<track>/<case>'. orders: what each integrator, by its name in `Simulation.resolved`, promises
-        for smooth motion. compile_allowance [s]: what an engine that compiles itself on first use may take for that, once,
+        for smooth motion. staggered: tracks on which the velocities of joined bodies are handed out as they were a sub-step
+        before their positions. compile_allowance [s]: what an engine that compiles itself on first use may take for that, once,
         beyond a trial's deadline. kernels: a function at the top of a module, which tells what such an engine can compile
         beforehand (`plumbline warm`); raises Unavailable. threads: numbers of threads that one world can be stepped on, by its
         option 'threads'; none where it takes one. loads: modules that take long to load and say nothing when they are; accuracy
@@ -211,6 +212,7 @@ class Adapter(ABC):
     laws: tuple[str, ...] = ()
     advantages: Mapping[str, Advantage] = field(default_factory=dict)
     orders: Mapping[str, int] = field(default_factory=dict)
+    staggered: tuple[str, ...] = ()
     compile_allowance: float = 0.0
     kernels: Callable[[], Kernels] = Kernels
     threads: tuple[int, ...] = ()

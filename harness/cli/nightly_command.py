@@ -82,7 +82,7 @@ def _drill(engines: Sequence[str]) -> None:
     """Two nights of their own, the second with two faults; exit 1 where its gate does not name both."""
     from tempfile import mkdtemp
 
-    from plumbline.harness.history.drill import FRICTION, TIME, nights
+    from plumbline.harness.history.drill import nights
     from plumbline.harness.study.plugins import version_of
 
     engine = (
@@ -90,15 +90,16 @@ def _drill(engines: Sequence[str]) -> None:
     )
     folder = Path(mkdtemp(prefix="plumbline-drill-"))
     say(f"drill: two nights of two cases on {engine}, in {folder}")
-    before, after = nights(folder, engine)
-    say(f"first night: exit {before.code}; second: exit {after.code}")
-    for what, seen in ((f"{TIME:g} times the CPU time", after.time), (f"{FRICTION:g} times the friction", after.friction)):
+    (first, _), (second, named) = nights(folder, engine)
+    say(f"first night: exit {first.returncode}; second: exit {second.returncode}")
+    for what, seen in named.items():
         say(f"{'named' if seen else 'NOT NAMED'}: {what}{': ' if seen else ''}{seen}")
-    if (before.code, after.code) == (0, GATE) and after.time and after.friction:
+    if (first.returncode, second.returncode) == (0, GATE) and all(named.values()):
         shutil.rmtree(folder)
         say("this set-up sees a regression")
         return
-    say((before.output if before.code else after.output).strip())
+    failed = first if first.returncode else second
+    say((failed.stdout + failed.stderr).strip())
     say(f"this set-up would not see them; {folder} holds both nights: a busier machine needs more samples, or other hours")
     sys.exit(GATE)
 
@@ -132,21 +133,13 @@ def _night(
 
     Returns: does its gate fail, or was a page of the report not made? summary.md; what is left of its budget [s], when called.
     """
-    from plumbline.harness.findings.changes.words import headline, judged_in_short
     from plumbline.harness.findings.summary import write_summary
     from plumbline.harness.findings.vendor.shelf import shelf
     from plumbline.harness.history.gate import reasons
     from plumbline.harness.history.known_findings import asked_again, turned
     from plumbline.harness.history.night import accounted, carry_out_night, close, compared, night_to_do
     from plumbline.harness.history.readings import said_by
-    from plumbline.harness.history.sentences import (
-        in_short,
-        left_out_in_short,
-        outcomes_in_short,
-        unanswered_in_short,
-        unconfirmed_in_short,
-        worse_in_short,
-    )
+    from plumbline.harness.history.sentences import lines_of
     from plumbline.harness.study.experiment import StudyError
 
     night, not_made = night_to_do(history, asked), list[str]()
@@ -166,7 +159,7 @@ def _night(
             rows = asked_again(about, asked.adapters, lambda: done.budget.seconds - done.budget.taken())
             changed = turned(about, rows, [earlier.plan for earlier in history.whole_nights() if earlier != night])
             account = accounted(history, done, news, time.monotonic() - ended) | {"findings": rows}
-            summary = _write_summary(history, done, news, account, [turn.sentence for turn in changed])
+            summary = _write_summary(history, done, news, account, changed)
             close(night, account)
             said_by(history, night, done.store)
     except StudyError as error:
@@ -177,28 +170,8 @@ def _night(
         stop(INTERRUPTED, f"interrupted; the same command goes on with the night {night.stamp}")
     if elsewhere is not None:
         elsewhere.send()
-    if news is not None:
-        say(judged_in_short(news.changes.judged_of(asked.gated)))
-    say(in_short(account))
-    for line in (
-        outcomes_in_short(account),
-        left_out_in_short(account["left_out"]),
-        unanswered_in_short(account["unanswered"]),
-    ):
-        if line:
-            say(line)
-    for text in account["unread"]:
-        say(f"left out: {text}")
-    for turn in changed:
-        say(turn.sentence)
-    say("nothing of it was seen before" if news is None else headline(news.changes))
-    failing = [f"gate: {reason}" for reason in reasons(news, account, asked.gated, asked.least)]
-    for line in (
-        *worse_in_short(account["told"], asked.gated),
-        *unconfirmed_in_short(account["unconfirmed"]),
-        *failing,
-        *not_made,
-    ):
+    failing = reasons(news, account, asked.gated, asked.least)
+    for line in (*lines_of(news, account, changed, failing), *not_made):
         say(line)
     say(str(summary))
     return bool(failing or not_made), summary, lambda: done.budget.seconds - done.budget.taken()

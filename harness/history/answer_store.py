@@ -24,14 +24,6 @@ POOLED = ("passed", "failed", "diverged", "unsupported", *MACHINE_BOUND)
 
 
 @dataclass(frozen=True, slots=True)
-class Answer:
-    """An answer of the pool. Terms: record: without a timing. night: the stamp of the night that computed it."""
-
-    record: Record
-    night: str
-
-
-@dataclass(frozen=True, slots=True)
 class Pool:
     """The answers in a folder."""
 
@@ -49,8 +41,9 @@ class Pool:
         """Is there an answer to a trial of this name?"""
         return self.path_of(trial).is_file()
 
-    def answer(self, trial: str) -> Answer | None:
-        """What is known of a trial of this name; None where nothing is. Raises: DamagedFile, OSError."""
+    def answer(self, trial: str) -> Record | None:
+        """What is known of a trial of this name, as recalled from the night that computed it, without a timing; None where
+        nothing is. Raises: DamagedFile, OSError."""
         path = self.path_of(trial)
         if not path.is_file():
             return None
@@ -59,7 +52,7 @@ class Pool:
             if kept["schema"] > SCHEMA:
                 raise DamagedFile(path, f"has schema {kept['schema']}, this program reads up to {SCHEMA}", "upgrade it")
             check_schema(path, kept["record_schema"])
-            return Answer(Record.from_plain(kept["record"]), str(kept["night"]))
+            return replace(Record.from_plain(kept["record"]), recalled=str(kept["night"]))
         except (KeyError, TypeError, ValueError) as error:
             raise DamagedFile(path, f"is no answer of this schema: {error!r}", "delete it") from error
 

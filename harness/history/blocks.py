@@ -4,7 +4,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import cache
 from pathlib import Path
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, TypeAlias
 
 from plumbline.harness.findings.changes.matching import LOST
 from plumbline.harness.history.folder import Night
@@ -17,6 +17,8 @@ Key: TypeAlias = tuple[str, str]
 
 Cell: TypeAlias = tuple[str, str, str, str]
 """Experiment, case, engine and track; of a search for settings, the track that they descend from."""
+SeenCell: TypeAlias = tuple[str, str, str, str, str]
+"""A cell, and the study that asked it: the same words of another study are another question."""
 Saw: TypeAlias = Mapping[str, Mapping[str, Any]]
 """By engine: its version, its tracks, how many trials it had, and how many of them had no answer, as 'version', 'tracks',
 'trials' and 'lost'."""
@@ -64,11 +66,10 @@ class Sight:
     done: bool = True
     saw: Saw = field(default_factory=dict)
 
-    @classmethod
-    def from_plain(cls, plain: Mapping[str, Any]) -> "Sight":
-        """Read back what a night wrote; fields of a later program are left aside."""
-        known = {each.name for each in fields(cls)}
-        return cls(**{name: value for name, value in plain.items() if name in known})
+    @property
+    def key(self) -> Key:
+        """Of the block."""
+        return self.experiment, self.case
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -113,28 +114,33 @@ def blocks_of(trials: Iterable[Trial]) -> tuple[Block, ...]:
     return tuple(Block(*key, tuple(group)) for key, group in grouped.items())
 
 
+def sights_of(night: Night) -> list[Sight]:
+    """What a night did, block by block. Raises: DamagedFile."""
+    known = {each.name for each in fields(Sight)}  # those of a later program are left aside
+    rows = night.plan.get("blocks", ())
+    return [Sight(**{name: value for name, value in row.items() if name in known}) for row in rows]
+
+
 def last_seen(nights: Sequence[Night]) -> dict[Key, Seen]:
     """By block. Args: nights: whole ones, the earliest first. Raises: DamagedFile."""
     seen: dict[Key, Seen] = {}
     of_engine: dict[Key, dict[str, Night]] = {}
     for age, night in enumerate(reversed(nights)):
-        for row in night.plan.get("blocks", ()):
-            sight = Sight.from_plain(row)
-            key = (sight.experiment, sight.case)
+        for sight in sights_of(night):
+            last_of = of_engine.setdefault(sight.key, {})
             for engine in sight.saw if sight.done else ():
-                of_engine.setdefault(key, {}).setdefault(engine, night)
-            of_all = sight.answer_seconds * sight.answers / sight.computed if sight.computed else None
-            if key not in seen:
-                if sight.done:
-                    noisy = sight.clocked > 0 and sight.unstable > NOISY * sight.clocked
-                    troubled = age < LATELY and (noisy or sight.worse > 0)
-                    seen[key] = Seen(night=night, sight=sight, of_all=of_all, troubled=troubled)
+                last_of.setdefault(engine, night)
+            if sight.key not in seen and not sight.done:
                 continue
-            known = seen[key]
-            troubled = known.troubled or (age < LATELY and sight.worse > 0)
-            least = known.of_all if known.of_all is not None else of_all
-            seen[key] = Seen(night=known.night, sight=known.sight, of_all=least, troubled=troubled)
-    return {key: replace(last, of_engine=of_engine.get(key, {})) for key, last in seen.items()}
+            known = seen.get(sight.key) or Seen(night=night, sight=sight, of_all=None, troubled=False, of_engine=last_of)
+            noisy = known.sight is sight and 0 < sight.clocked < sight.unstable / NOISY
+            of_all = sight.answer_seconds * sight.answers / sight.computed if sight.computed else None
+            seen[sight.key] = replace(
+                known,
+                of_all=of_all if known.of_all is None else known.of_all,
+                troubled=known.troubled or (age < LATELY and (noisy or sight.worse > 0)),
+            )
+    return seen
 
 
 def cells_of(rows: Iterable[Any]) -> dict[Key, dict[str, dict[str, Any]]]:
@@ -149,36 +155,23 @@ def cells_of(rows: Iterable[Any]) -> dict[Key, dict[str, dict[str, Any]]]:
     return cells
 
 
-def cell_of(row: Any) -> Cell:
+def cell_of(row: Any) -> SeenCell:
     """Where a row of the table `trials` belongs."""
-    return row.experiment, row.case, row.engine, str(row.track).partition(",")[0]
+    return row.experiment, row.case, row.engine, str(row.track).partition(",")[0], row.study
 
 
-class Answered(NamedTuple):
-    """How many trials an engine had in a block, and how many of them had no answer."""
-
-    trials: int
-    lost: int
-
-    @property
-    def mute(self) -> bool:
-        """Had none of them an answer?"""
-        return self.lost >= self.trials
-
-
-def seen_cells(night: Night) -> dict[Cell, Answered]:
-    """The cells of the blocks that a night did all of.
+def seen_cells(night: Night) -> dict[SeenCell, Mapping[str, Any]]:
+    """The cells of the blocks that a night did all of, each with what `Saw` holds of its engine.
 
     What a night of an older version does not say is read off its journal. Raises: StoreError.
     """
-    cells: dict[Cell, Answered] = {}
-    for sight in map(Sight.from_plain, night.plan.get("blocks", ())):
-        if sight.done:
-            saw = sight.saw or _of_journal(night.folder).get((sight.experiment, sight.case), {})
-            for engine, of_engine in saw.items():
-                answered = Answered(of_engine["trials"], of_engine["lost"])
-                cells |= {(sight.experiment, sight.case, engine, track): answered for track in of_engine["tracks"]}
-    return cells
+    return {
+        (*sight.key, engine, track, night.plan["study"]): of_engine
+        for sight in sights_of(night)
+        if sight.done
+        for engine, of_engine in (sight.saw or _of_journal(night.folder).get(sight.key, {})).items()
+        for track in of_engine["tracks"]
+    }
 
 
 @cache
@@ -192,13 +185,13 @@ def last_to_see(nights: Sequence[Night]) -> set[Night]:
 
     Args: nights: whole ones, the earliest first. Raises: StoreError.
     """
-    last: dict[Cell, Night] = {}
-    fewest: dict[Cell, tuple[int, Night]] = {}
+    last: dict[SeenCell, Night] = {}
+    fewest: dict[SeenCell, tuple[int, Night]] = {}
     for night in reversed(nights):
-        for cell, answered in seen_cells(night).items():
+        for cell, saw in seen_cells(night).items():
             last.setdefault(cell, night)
-            if cell not in fewest or answered.lost < fewest[cell][0]:
-                fewest[cell] = answered.lost, night
+            if cell not in fewest or saw["lost"] < fewest[cell][0]:
+                fewest[cell] = saw["lost"], night
     return {*last.values(), *(night for _, night in fewest.values())}
 
 

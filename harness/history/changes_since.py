@@ -12,18 +12,18 @@ from typing import Any, TypeAlias
 from plumbline.harness.findings.changes import Change, Changes, Judged, compare
 from plumbline.harness.findings.changes.matching import LOST, where_of
 from plumbline.harness.findings.changes.weights import heaviest_first
-from plumbline.harness.history.acknowledged import Acknowledgement, silenced
-from plumbline.harness.history.blocks import Cell, Key, cell_of, seen_cells
+from plumbline.harness.history.acknowledged import silenced
+from plumbline.harness.history.blocks import Key, SeenCell, cell_of, seen_cells, sights_of
 from plumbline.harness.history.folder import Night
 from plumbline.harness.history.identity import Named, change_id
-from plumbline.harness.history.slow_drift import OverNights
+from plumbline.harness.history.regressions import Dated
 from plumbline.harness.store.journal import DamagedFile
 from plumbline.harness.store.store import Store
 
 EARLIER = 3
 """Nights up to which back a question is looked for that the last night to see its cell was not asked: a narrower study may have
 come in between."""
-Wanted: TypeAlias = Mapping[Cell, Collection[str] | None]
+Wanted: TypeAlias = Mapping[SeenCell, Collection[str] | None]
 """Cells that are compared: all of each for None, or some of its trials."""
 
 
@@ -31,8 +31,8 @@ Wanted: TypeAlias = Mapping[Cell, Collection[str] | None]
 class News:
     """What changed.
 
-    Terms: changes: what nobody has acknowledged; acknowledged: the others. since: the nights from which on it is so, where
-    that is not tonight. ended: ids of earlier changes that are over.
+    Terms: changes: what nobody has acknowledged; acknowledged: the others. since: of each the night that it is called by, from
+    which on it is so. ended: ids of earlier changes that are over.
     """
 
     changes: Changes
@@ -45,28 +45,20 @@ class News:
         return self.changes.regressions(gated)
 
 
-def first_seen(change: Change, earlier: Mapping[str, str], stamp: str) -> str:
-    """The night that a change is called by.
-
-    Args: earlier: nights by what a change is called without one, of those that last. stamp: of tonight.
-    """
-    return earlier.get(change_id(change, ""), stamp)
-
-
 def news_of(
     store: Store,
     stamp: str,
     before: Sequence[Night],
     blocks: Mapping[Key, str],
-    known: dict[str, Acknowledgement],
+    known: Mapping[str, Named],
     earlier: Mapping[str, str],
-    over: Callable[[Sequence[Change]], OverNights] = lambda _rows: OverNights(),
+    over: Callable[[Sequence[Change]], Sequence[Dated]] = lambda _rows: (),
 ) -> News | None:
     """What changed in a night; None where nothing of it was seen before.
 
     Args: store, stamp: of the night. before: whole nights, the earliest first. blocks: that it carried out, with their digests.
-    known: what was acknowledged. earlier: see `first_seen`. over: of what the night tells by itself, what all nights tell
-    beside it.
+    known: what was acknowledged. earlier: first nights of changes that last, by what they are called without one.
+    over: of what the night tells by itself, what all nights tell beside it.
     Raises: StoreError.
     """
     differences, recalled = _compared(store, before, blocks)
@@ -79,9 +71,10 @@ def news_of(
         )
     )
     stamps = [*(night.stamp for night in before), stamp]
-    told = tuple(row for row in every if silenced(Named.of(row, first_seen(row, earlier, stamp)), known, stamps) is None)
-    nights_told = over(every)
-    since = {heaviest_first([row])[0]: began for row, began in zip(nights_told.rows, nights_told.since, strict=True)}
+    since = {row: earlier.get(change_id(row, ""), stamp) for row in every}
+    told = [row for row in every if silenced(Named.of(row, since[row]), known, stamps) is None]
+    dated = over(every)
+    fresh = {heaviest_first([one.first])[0]: one.stamp for one in dated if one.state == "open"}
     judged = [difference.judged for difference in differences] + [
         {row.engine: Judged(answers=int(row.status not in LOST), all_answers=1)}
         for row in recalled
@@ -90,7 +83,7 @@ def news_of(
     changes = replace(
         differences[0],
         b=replace(differences[0].b, trials=len(store.trials)),
-        rows=heaviest_first([*told, *since]),
+        rows=heaviest_first([*told, *fresh]),
         matched=sum(difference.matched for difference in differences) + len(recalled),
         same=sum(difference.same for difference in differences) + sum(isinstance(row.trajectory_hash, str) for row in recalled),
         clocked=sum(difference.clocked for difference in differences),
@@ -100,25 +93,34 @@ def news_of(
             for engine in dict.fromkeys(engine for each in judged for engine in each)
         },
     )
-    return News(changes, tuple(row for row in every if row not in told), since, nights_told.ended)
+    return News(
+        changes,
+        tuple(row for row in every if row not in told),
+        since | fresh,
+        frozenset(one.id for one in dated if one.state != "open"),
+    )
 
 
 def _compared(store: Store, before: Sequence[Night], blocks: Mapping[Key, str]) -> tuple[list[Changes], list[Any]]:
     """Each cell of tonight against the last night that saw it, the latest night first; what that one had lost, against those
     before it. Returns: what differs, and rows of the table `trials` that were recalled and are the same as then."""
-    rows: dict[Cell, list[Any]] = {}
+    rows: dict[SeenCell, list[Any]] = {}
     for row in store.trials.itertuples():
         if (row.experiment, row.case) in blocks:
             rows.setdefault(cell_of(row), []).append(row)
-    waiting: dict[Cell, Collection[str] | None] = dict.fromkeys(rows)
-    fresh, differences, recalled = _with_news(store), list[Changes](), dict[Cell, Night]()
-    looked_at = Counter[Cell]()
+    waiting: dict[SeenCell, Collection[str] | None] = dict.fromkeys(rows)
+    fresh, differences, recalled = _with_news(store), list[Changes](), dict[SeenCell, Night]()
+    looked_at = Counter[SeenCell]()
     for night in reversed(before):
         try:
             seen = seen_cells(night)
-            then = {(sight["experiment"], sight["case"]): sight["digest"] for sight in night.plan.get("blocks", ())}
+            then = {sight.key: sight.digest for sight in sights_of(night)}
             # Where all was lost then, too, there is nothing that what was lost since could be compared with.
-            cells = [cell for cell in seen if cell in waiting and (waiting[cell] is None or not seen[cell].mute)]
+            cells = [
+                cell
+                for cell in seen
+                if cell in waiting and (waiting[cell] is None or seen[cell]["lost"] < seen[cell]["trials"])
+            ]
             same = [cell for cell in cells if cell[:2] not in fresh and then[cell[:2]] == blocks[cell[:2]]]
             again: Wanted = {cell: waiting[cell] for cell in cells if waiting[cell] is not None}
             first: Wanted = {cell: None for cell in cells if cell not in again and cell not in same}

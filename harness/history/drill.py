@@ -3,7 +3,7 @@
 import os
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from time import thread_time
@@ -17,6 +17,11 @@ TIME, FRICTION = 1.2, 1.05
 """Of the planted faults: times the CPU time of a step, times the friction of every surface."""
 ENGINE = "drill"
 """What the wrapped engine is called."""
+PLANTED: Mapping[str, Callable[[Mapping[str, Any]], bool]] = {
+    f"{TIME:g} times the CPU time": lambda row: row["kind"] == "price",
+    f"{FRICTION:g} times the friction": lambda row: row["kind"] in ("error", "verdict") and row["case"] == "friction_stop",
+}
+"""What is planted, each with which rows of `told` name it."""
 STUDY = """name = "drill"
 recordings = false
 [[experiments]]
@@ -93,28 +98,11 @@ def planted(inner: Adapter, *, time: float, friction: float) -> Adapter:
     )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Night:
-    """How one night of a drill ended. Terms: code: of its process. worse: what got so. output: what it printed."""
+def nights(folder: Path, engine: str) -> Iterator[tuple[subprocess.CompletedProcess[str], dict[str, str]]]:
+    """Carry out both nights in a folder that is empty. Args: engine: which one is wrapped.
 
-    code: int
-    worse: tuple[dict[str, Any], ...]
-    output: str
-
-    @property
-    def time(self) -> str:
-        """The sentence that tells of the time; '' for none."""
-        return next((str(row["sentence"]) for row in self.worse if row["kind"] == "price"), "")
-
-    @property
-    def friction(self) -> str:
-        """The sentence that tells of the friction; '' for none."""
-        answers = (row for row in self.worse if row["kind"] in ("error", "verdict"))
-        return next((str(row["sentence"]) for row in answers if row["case"] == "friction_stop"), "")
-
-
-def nights(folder: Path, engine: str) -> Iterator[Night]:
-    """Carry out both nights in a folder that is empty. Args: engine: which one is wrapped. Raises: OSError."""
+    Yields: the process of each, and by what is planted the sentence that names it, '' for none. Raises: OSError.
+    """
     study, packages, root = folder / "drill.toml", folder / "packages", folder / "history"
     study.write_text(STUDY)
     about = packages / "plumbline_drill-1.0.dist-info"
@@ -132,11 +120,6 @@ def nights(folder: Path, engine: str) -> Iterator[Night]:
             text=True,
             check=False,
         )
-        yield Night(code=ended.returncode, worse=_worse(root), output=ended.stdout + ended.stderr)
-
-
-def _worse(root: Path) -> tuple[dict[str, Any], ...]:
-    if not (root / "history.json").is_file():
-        return ()
-    last = [*opened(root).nights()][-1:]
-    return tuple(row for night in last for row in night.plan.get("told", ()) if row["regression"])
+        done = opened(root).nights()[-1:] if (root / "history.json").is_file() else ()
+        worse = [row for night in done for row in night.plan.get("told", ()) if row["regression"]]
+        yield ended, {what: next((str(row["sentence"]) for row in worse if is_of(row)), "") for what, is_of in PLANTED.items()}

@@ -9,6 +9,7 @@ from plumbline.harness.store.record import digest
 
 NEAR = 3
 """Nights by which the night of a step in a price may still move as more nights come."""
+_ABOUT = ("kind", "case", "engine", "sense")
 
 
 def change_id(change: Change, first_seen: str) -> str:
@@ -26,7 +27,7 @@ class Named:
     """A change that has its name already.
 
     Terms: id: as `change_id` gives it. kind, case, engine, sense: of the change. since: the stamp of the night that it has
-    been called by.
+    been called by. note, when: of who acknowledged it, what was said of it and when, ISO 8601; '' for nobody.
     """
 
     id: str
@@ -35,19 +36,18 @@ class Named:
     engine: str = ""
     sense: str = ""
     since: str = ""
+    note: str = ""
+    when: str = ""
 
     @classmethod
     def of(cls, change: Change, since: str) -> "Named":
         """A change by its first night."""
-        name = change_id(change, since)
-        return cls(id=name, kind=change.kind, case=change.case, engine=change.engine, sense=change.sense, since=since)
+        return cls(id=change_id(change, since), since=since, **{name: getattr(change, name) for name in _ABOUT})
 
     @classmethod
     def told(cls, row: Mapping[str, Any]) -> "Named":
         """As `night.json` keeps it."""
-        return cls(
-            id=row["id"], kind=row["kind"], case=row["case"], engine=row["engine"], sense=row["sense"], since=row["first_seen"]
-        )
+        return cls(id=row["id"], since=row["first_seen"], **{name: row[name] for name in _ABOUT})
 
     def contains(self, other: "Named | Change") -> bool:
         """Is it of the same prices the same way, or of an engine as a whole, whose cases went with it? The night apart."""

@@ -1,33 +1,12 @@
 """Of the findings about engines: which a night found still there, and which turned since the last night that asked."""
 
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 from plumbline.harness.findings.vendor.finding import Finding
 from plumbline.harness.findings.vendor.still_there import SECONDS, Standing, ask
 
 _ANSWERS = ("still there", "gone")
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Turned:
-    """A finding that is gone, or back. before, now: verdicts. figure: of now. version: of the engine; before_version: then."""
-
-    name: str
-    title: str
-    before: str
-    now: str
-    figure: str
-    version: str
-    before_version: str
-
-    @property
-    def sentence(self) -> str:
-        """For people; never read back."""
-        known = f"with {self.version}" if self.version == self.before_version else f"{self.before_version} -> {self.version}"
-        state = "gone" if self.now == "gone" else "back"
-        return f"{self.name} is {state} ({known}): {self.title}; {self.figure}"
 
 
 def asked_again(
@@ -50,22 +29,21 @@ def asked_again(
     return rows
 
 
-def turned(findings: Sequence[Finding], rows: Sequence[Mapping[str, Any]], plans: Iterable[Mapping[str, Any]]) -> list[Turned]:
-    """Those whose answer is another than the last one before. Args: plans: of the nights before, the earliest first."""
+def turned(findings: Sequence[Finding], rows: Sequence[Mapping[str, Any]], plans: Iterable[Mapping[str, Any]]) -> list[str]:
+    """A sentence for each that is gone or back: whose answer is another than the last one before. Args: plans: of the nights
+    before, the earliest first."""
     before: dict[str, Mapping[str, Any]] = {}
     for plan in plans:
         before |= {row["name"]: row for row in plan.get("findings", ()) if row["verdict"] in _ANSWERS}
     titles = {finding.name: finding.title for finding in findings}
     return [
-        Turned(
-            name=row["name"],
-            title=titles[row["name"]],
-            before=was["verdict"],
-            now=row["verdict"],
-            figure=row["figure"],
-            version=row["version"],
-            before_version=was["version"],
-        )
+        f"{row['name']} is {'gone' if row['verdict'] == 'gone' else 'back'} ({_since(was['version'], row['version'])}): "
+        f"{titles[row['name']]}; {row['figure']}"
         for row in rows
         if (was := before.get(row["name"])) is not None and row["verdict"] in _ANSWERS and row["verdict"] != was["verdict"]
     ]
+
+
+def _since(before: str, now: str) -> str:
+    """The versions of an engine at two answers, in words."""
+    return f"with {now}" if now == before else f"{before} -> {now}"

@@ -14,12 +14,11 @@ from typing import Any, TypeAlias
 from plumbline.harness.adapter import Settings
 from plumbline.harness.case import Case
 from plumbline.harness.history.answer_store import Pool
-from plumbline.harness.history.blocks import Key, Seen
+from plumbline.harness.history.last_answers import LastAnswers
 from plumbline.harness.search.first_break import bracket, ruler
 from plumbline.harness.search.front import SMALLEST, TELLING
 from plumbline.harness.statistics.pareto import on_front
 from plumbline.harness.store.record import Record
-from plumbline.harness.store.store import Store
 from plumbline.harness.study.trial import Trial
 
 BESIDE = 2
@@ -30,24 +29,19 @@ Group: TypeAlias = tuple[str, str, str, str]
 """Experiment, case, parameters, engine: one search of a front."""
 
 
-@dataclass(frozen=True, slots=True)
-class _Front:
-    """A front as the last night that saw it clocked it. Terms: errors: of its settings, as shares of the scale."""
-
-    errors: Mapping[Setting, float]
-    others: tuple[Setting, ...]
+Front: TypeAlias = tuple[Mapping[Setting, float], tuple[Setting, ...]]
+"""A front as the last night that saw it clocked it: errors of its settings, as shares of the scale; and the other settings."""
 
 
 @dataclass(slots=True)
 class KnownSearches:
     """What earlier nights found, group by group, read when it is wanted. Terms: seed: of what is drawn at random."""
 
-    seen: Mapping[Key, Seen]
+    last: LastAnswers
     cases: Mapping[str, Case]
     pool: Pool
     seed: str
-    _stores: dict[str, Store] = field(default_factory=dict)
-    _fronts: dict[Group, _Front | None] = field(default_factory=dict)
+    _fronts: dict[Group, Front | None] = field(default_factory=dict)
 
     def beside(self, trials: Sequence[Trial]) -> list[Trial]:
         """What is asked beside the trials of a study so that the searches begin where they ended: all that is in the pool
@@ -68,7 +62,7 @@ class KnownSearches:
         cell = trial.experiment.name, trial.case, trial.engine
         near = (r for r in records.values() if (r.experiment, r.case, r.engine) == cell)
         now = {(r.track, r.dt): r for r in near if json.dumps(dict(r.parameters), sort_keys=True) == _parameters(trial)}
-        return not all(self._as_before(now.get(setting), error) for setting, error in front.errors.items())
+        return not all(self._as_before(now.get(setting), error) for setting, error in front[0].items())
 
     def clocked(self, trials: Sequence[Trial]) -> set[str]:
         """Of swept trials that are due for the clock: the known front, both tracks at the case's own step, a few others."""
@@ -82,13 +76,13 @@ class KnownSearches:
                 chosen |= {trial.trial for trial in mine}
                 continue
             own = self.cases[mine[0].case].dt
-            wanted = [t for t in mine if (t.track, t.settings.dt) in front.errors or (t.round == 0 and t.settings.dt == own)]
+            wanted = [t for t in mine if (t.track, t.settings.dt) in front[0] or (t.round == 0 and t.settings.dt == own)]
             rest = [t for t in mine if t not in wanted]
             drawn = random.Random(f"{self.seed} {group}").sample(rest, min(BESIDE, len(rest)))
             chosen |= {trial.trial for trial in (*wanted, *drawn)}
         return chosen
 
-    def front_of(self, trial: Trial) -> _Front | None:
+    def front_of(self, trial: Trial) -> Front | None:
         """The known front of a trial's case on its engine; None where none is known."""
         group = group_of(trial)
         if group not in self._fronts:
@@ -99,7 +93,7 @@ class KnownSearches:
         """One trial for each front, and every first trial of a limit."""
         groups = set[Group]()
         for trial in trials:
-            if (trial.experiment.name, trial.case) not in self.seen:
+            if (trial.experiment.name, trial.case) not in self.last.seen:
                 continue
             if trial.experiment.limit is not None and trial.round == 0:
                 yield trial
@@ -107,15 +101,9 @@ class KnownSearches:
                 groups.add(group_of(trial))
                 yield trial
 
-    def _store(self, key: Key, engine: str) -> Store:
-        night = self.seen[key].night_of(engine)
-        if night.stamp not in self._stores:
-            self._stores[night.stamp] = night.store()
-        return self._stores[night.stamp]
-
     def _rows(self, trial: Trial) -> list[dict[str, Any]]:
         """What the last night that saw a trial's block has of its engine."""
-        store = self._store((trial.experiment.name, trial.case), trial.engine)
+        store = self.last.store((trial.experiment.name, trial.case), trial.engine)
         table = store.trials
         mine = table[
             (table["experiment"] == trial.experiment.name) & (table["case"] == trial.case) & (table["engine"] == trial.engine)
@@ -123,11 +111,11 @@ class KnownSearches:
         bases = store.bases
         return [{**row, "base": bases[row["trial"]]} for row in mine.to_dict("records")]
 
-    def _read_front(self, trial: Trial) -> _Front | None:
+    def _read_front(self, trial: Trial) -> Front | None:
         key = (trial.experiment.name, trial.case)
-        if key not in self.seen:
+        if key not in self.last.seen:
             return None
-        case, table = self.cases[trial.case], self._store(key, trial.engine).measurements
+        case, table = self.cases[trial.case], self.last.store(key, trial.engine).measurements
         errors = {row.trial: abs(float(row.value)) for row in table[table["metric"] == case.headline].itertuples()}
         clocked = [
             (row, max(error / case.scale, SMALLEST), float(row["cpu_per_unit"]))
@@ -140,10 +128,8 @@ class KnownSearches:
             return None
         first = on_front([error for _, error, _ in clocked], [cost for _, _, cost in clocked])
         settings = [(str(row["track"]), float(row["dt"])) for row, _, _ in clocked]
-        return _Front(
-            {s: error for s, (_, error, _), best in zip(settings, clocked, first, strict=True) if best},
-            tuple(s for s, best in zip(settings, first, strict=True) if not best),
-        )
+        errors_of_first = {s: error for s, (_, error, _), best in zip(settings, clocked, first, strict=True) if best}
+        return errors_of_first, tuple(s for s, best in zip(settings, first, strict=True) if not best)
 
     def _as_before(self, record: Record | None, error: float) -> bool:
         if record is None or record.status not in ("passed", "failed"):
@@ -156,7 +142,8 @@ class KnownSearches:
         front = self.front_of(trial)
         if front is None:
             return
-        drawn = random.Random(f"{self.seed} {group_of(trial)}").sample(front.others, min(BESIDE, len(front.others)))
+        errors, others = front
+        drawn = random.Random(f"{self.seed} {group_of(trial)}").sample(others, min(BESIDE, len(others)))
         for row in self._rows(trial):
             if row["parameters"] != _parameters(trial) or row["round"] == 0:
                 continue
@@ -168,7 +155,7 @@ class KnownSearches:
                 round=int(row["round"]),
             )
             setting = (str(row["track"]), float(row["dt"]))
-            if self.pool.holds(other.trial) or setting in front.errors or setting in drawn:
+            if self.pool.holds(other.trial) or setting in errors or setting in drawn:
                 yield other
 
     def _of_limit(self, trial: Trial) -> Iterator[Trial]:

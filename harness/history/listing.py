@@ -2,6 +2,8 @@
 
 from typing import Any
 
+import pandas as pd
+
 from plumbline.harness.history.budget import bytes_of
 from plumbline.harness.history.folder import History, Night
 from plumbline.harness.history.readings import versions_of
@@ -12,7 +14,13 @@ COLUMNS = (
     "night", "state", "machine", "versions", "answers", "recalled", "computed", "again", "disagreements", "clocked", "left_out",
     "worse", "better", "seconds", "megabytes", "outcomes",
 )  # fmt: skip
-_COUNTS = ("answers", "recalled", "computed", "again", "clocked")
+
+
+def counted(trials: pd.DataFrame, disagreements: int = 0) -> dict[str, int]:
+    """How many answers the table of a night has: all; computed, recalled, computed again, and otherwise then; clocked."""
+    known, again = int((trials["recalled"] != "").sum()), int((trials["again"] != "").sum())
+    counts = {"answers": len(trials), "computed": len(trials) - known, "recalled": known, "again": again}
+    return counts | {"disagreements": disagreements, "clocked": int((trials["cpu_per_unit"] > 0).sum())}
 
 
 def rows(history: History) -> tuple[list[dict[str, Any]], list[DamagedFile]]:
@@ -25,31 +33,18 @@ def _row(night: Night) -> dict[str, Any]:
     plan, store = night.plan, night.store()
     told = plan.get("told", ())
     # What a night does not say that is under way, or of an older version, is read off its records.
-    counts = {name: plan[name] for name in _COUNTS} if all(name in plan for name in _COUNTS) else _counted(night)
+    counts = plan if "clocked" in plan else counted(store.trials)
     versions = plan["versions"] if "versions" in plan else versions_of(store)
     return {
         "night": night.stamp,
         "state": "whole" if plan.get("complete") else "unfinished",
         "machine": f"{store.machine.get('processor', '')} x{store.machine.get('cores', '?')}",
         "versions": ", ".join(f"{engine} {version}" for engine, version in sorted(versions.items())),
-        **{name: counts[name] for name in _COUNTS[:-1]},
-        "disagreements": int(plan.get("disagreements", 0)),
-        "clocked": counts["clocked"],
+        **{name: counts[name] for name in ("answers", "recalled", "computed", "again", "disagreements", "clocked")},
         "left_out": len(plan.get("left_out", ())),
         "worse": sum(row["regression"] for row in told),
         "better": sum(row["sense"] == "better" for row in told),
         "seconds": plan.get("seconds", {}).get("whole"),
         "megabytes": bytes_of([night.folder], shared=False) / 2**20,
         "outcomes": outcomes_in_short(plan).removeprefix("outcomes: "),
-    }
-
-
-def _counted(night: Night) -> dict[str, int]:
-    trials = night.store().trials
-    return {
-        "answers": len(trials),
-        "recalled": int((trials["recalled"] != "").sum()),
-        "computed": int((trials["recalled"] == "").sum()),
-        "again": int((trials["again"] != "").sum()),
-        "clocked": int((trials["cpu_per_unit"] > 0).sum()),
     }

@@ -14,15 +14,17 @@ from plumbline.harness.findings.changes import Change
 from plumbline.harness.findings.summary import SUMMARIES
 from plumbline.harness.history.acknowledged import acknowledged, read_acknowledged
 from plumbline.harness.history.answer_store import Pool
-from plumbline.harness.history.blocks import LATELY, Key, Sight, cells_of, last_seen, last_unanswered
+from plumbline.harness.history.blocks import LATELY, Key, cells_of, last_seen, last_unanswered, sights_of
 from plumbline.harness.history.budget import Budget, bytes_of, memory_peaks
-from plumbline.harness.history.changes_since import News, first_seen, news_of
+from plumbline.harness.history.changes_since import News, news_of
 from plumbline.harness.history.folder import NIGHT, SCHEMA, History, Night, stamp_of
 from plumbline.harness.history.known_searches import KnownSearches
 from plumbline.harness.history.last_answers import LastAnswers
+from plumbline.harness.history.listing import counted
 from plumbline.harness.history.night_policy import Keep, Steering
+from plumbline.harness.history.regressions import Dated
 from plumbline.harness.history.sentences import told
-from plumbline.harness.history.slow_drift import OverNights, over_nights
+from plumbline.harness.history.slow_drift import over_nights
 from plumbline.harness.run.campaign import carry_out
 from plumbline.harness.run.interrupt import until
 from plumbline.harness.store import disk
@@ -149,13 +151,12 @@ def carry_out_night(history: History, asked: Asked, night: Night) -> Done:
         keep=asked.keep,
         seen=seen,
         waited=last_unanswered(before, seen),
-        last=LastAnswers(seen).of,
-        searched=KnownSearches(seen, asked.cases, pool, seed),
+        searched=KnownSearches(LastAnswers(seen), asked.cases, pool, seed),
         distrusted=_distrusted(before, night, so_far),
         left=budget.left,
         save=save,
     )
-    steering.go_on([Sight.from_plain(row) for row in plan.get("blocks", ())], so_far)
+    steering.go_on(sights_of(night), so_far)
     if not plan:
         save(steering)
     with until(lambda: budget.end):
@@ -186,12 +187,12 @@ def _without_idle_logs(night: Night, recorded: set[str]) -> None:
 
 def compared(history: History, done: Done) -> News | None:
     """What changed since each block was last seen; None where nothing of the night was seen before. Raises: StoreError."""
-    known, before = acknowledged(history), done.before
+    known = acknowledged(history)
 
-    def over(rows: Sequence[Change]) -> OverNights:
-        return over_nights(history, before, done.night, done.store, known, rows, done.budget.seconds - done.budget.taken())
+    def over(rows: Sequence[Change]) -> Sequence[Dated]:
+        return over_nights(history, done.before, done.night, done.store, known, rows, done.budget.seconds - done.budget.taken())
 
-    return news_of(done.store, done.night.stamp, before, done.blocks, known, _first_told(history), over)
+    return news_of(done.store, done.night.stamp, done.before, done.blocks, known, _first_told(history), over)
 
 
 def accounted(history: History, done: Done, news: News | None, closing: float) -> dict[str, Any]:
@@ -203,28 +204,16 @@ def accounted(history: History, done: Done, news: News | None, closing: float) -
     unstable = Counter(where[trial] for trial in clocked["trial"][clocked["unstable_timing"].fillna(value=False).astype(bool)])
     cells = cells_of(trials.itertuples())
     worse = Counter(where[row.trial_b] for row in rows if row.regression and row.trial_b in where)
-    first = _first_told(history)
-    changed = (
-        []
-        if news is None
-        else [
-            told(row, news.changes, news.since.get(row) or first_seen(row, first, night.stamp))
-            for row in rows
-            if row.sense in ("worse", "better")
-        ]
-    )
+    changed = [told(row, news.changes, news.since[row]) for row in rows if news and row.sense in ("worse", "better")]
     return {name: value for name, value in night.plan.items() if name != "blocks"} | {
+        "gated": list(done.asked.gated),
+        "least": done.asked.least,
         "complete": True,
         "finished": datetime.now(UTC).isoformat(timespec="seconds"),
         "seconds": {"whole": done.budget.taken(), "closing": closing, "set_aside": done.budget.closing, "slow": steering.slow},
         "memory_mb": memory_peaks(),
         "bytes": _bytes(history, night),
-        "answers": len(trials),
-        "computed": int((trials["recalled"] == "").sum()),
-        "recalled": int((trials["recalled"] != "").sum()),
-        "again": int((trials["again"] != "").sum()),
-        "disagreements": sum(row.kind == "digest" for row in rows),
-        "clocked": len(clocked),
+        **counted(trials, sum(row.kind == "digest" for row in rows)),
         "blocks": [row | {"saw": cells.get((row["experiment"], row["case"]), {})} for row in steering.sights(unstable, worse)],
         "outcomes": {
             str(engine): {str(status): int(count) for status, count in of["status"].value_counts().items()}

@@ -3,6 +3,7 @@
 What an engine answered to a case before a night in which it gave another answer to the same digest is not recalled any more.
 """
 
+import math
 import sys
 import time
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
@@ -11,10 +12,9 @@ from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
 from plumbline.harness.findings.changes.prices import TOLD
-from plumbline.harness.history.answer_store import MACHINE_BOUND, Answer, Pool
+from plumbline.harness.history.answer_store import MACHINE_BOUND, Pool
 from plumbline.harness.history.blocks import Block, Cell, Key, Seen, Sight, blocks_of
 from plumbline.harness.history.known_searches import KnownSearches
-from plumbline.harness.history.last_answers import LastAnswer
 from plumbline.harness.history.plan import Left, Plan
 from plumbline.harness.run.interrupt import UnderWay
 from plumbline.harness.run.known_results import Guide
@@ -42,8 +42,8 @@ class Steering(Guide):
 
     Terms:
         folder: of the night. stamp: its name. seed: of what is drawn. machine: the digest of this one. seen: what earlier
-        nights say of each block. waited: trials for which earlier nights waited in vain, by the last of them. last: of a
-        trial, whatever it rests on, the last answer. distrusted: by case and engine, the night before which nothing
+        nights say of each block. waited: trials for which earlier nights waited in vain, by the last of them. searched: with
+        what was answered the last time. distrusted: by case and engine, the night before which nothing
         is recalled. left: seconds until the end. save: called behind each batch, and keeps what a night that goes on has to
         know. hashes: of trajectories that stay. out, unanswered: rows of `night.json`, what was left out, and what was waited
         for when time was up. sitting: 0, as a night may end after any question.
@@ -58,7 +58,6 @@ class Steering(Guide):
     keep: Keep
     seen: Mapping[Key, Seen]
     waited: Mapping[Cell, str]
-    last: Callable[[Trial], LastAnswer | None]
     searched: KnownSearches
     distrusted: dict[tuple[str, str], str]
     left: Left
@@ -104,12 +103,12 @@ class Steering(Guide):
         if found is None:
             return None
         if computed_again(trial.trial, self.seed):
-            self._again[trial.trial] = found.record
+            self._again[trial.trial] = found
             return None
         self._tally((trial.experiment.name, trial.case)).answers += 1
-        kept = found.record.trajectory_hash is not None and self._link(found.record.trajectory_hash)
-        self.hashes |= {found.record.trajectory_hash} if kept else set()
-        return replace(found.record, round=trial.round, recalled=found.night, trajectory_kept=kept)
+        kept = found.trajectory_hash is not None and self._link(found.trajectory_hash)
+        self.hashes |= {found.trajectory_hash} if kept else set()
+        return replace(found, round=trial.round, trajectory_kept=kept)
 
     def answered(self, trial: Trial, record: Record) -> Record:
         """Keep an answer in the pool, compare it with what was known, and say whether its trajectory stays."""
@@ -161,8 +160,8 @@ class Steering(Guide):
         trials = {trial.trial: trial for block in self.blocks for trial in block.trials}
         for timing in timings:
             trial = trials.get(timing.trial)
-            before = None if trial is None or not timing.unstable_timing else self.last(trial)
-            if before is not None and (timing.cpu_per_unit or 0.0) > (1 + TOLD) * before.price:
+            before = None if trial is None or not timing.unstable_timing else self.searched.last.of(trial)
+            if before is not None and (timing.cpu_per_unit or 0.0) > (1 + TOLD) * (before.cpu_per_unit or math.inf):
                 return self.left() > self._clocking
         return False
 
@@ -195,7 +194,7 @@ class Steering(Guide):
         self.hashes |= {record.trajectory_hash for record in kept}
         new = {record.trajectory_hash for record in kept if not record.recalled and record.trajectory_hash is not None}
         self._kept = sum(self._size(each) for each in new if not self.pool.trajectory_path(each).is_file())
-        self.tallies |= {(sight.experiment, sight.case): sight for sight in sights}
+        self.tallies |= {sight.key: sight for sight in sights}
 
     def tidy(self) -> None:
         """Put the trajectories that are kept into the pool, take the others away. Raises: OSError."""
@@ -220,15 +219,15 @@ class Steering(Guide):
         due = sum(not self.pool.holds(t.trial) or computed_again(t.trial, self.seed) for t in block.trials)
         return due / len(block.trials)
 
-    def _pooled(self, trial: Trial) -> Answer | None:
+    def _pooled(self, trial: Trial) -> Record | None:
         try:
             found = self.pool.answer(trial.trial)
         except StoreError as error:
             print(f"{error}; its answer is computed again", file=sys.stderr)
             return None
-        if found is None or (found.record.status in MACHINE_BOUND and found.record.answered_on != self.machine):
+        if found is None or (found.status in MACHINE_BOUND and found.answered_on != self.machine):
             return None
-        return None if found.night < self.distrusted.get((trial.case, trial.engine), "") else found
+        return None if found.recalled < self.distrusted.get((trial.case, trial.engine), "") else found
 
     def _link(self, trajectory_hash: str) -> bool:
         """Lay a trajectory of the pool into the night: is it there?"""
@@ -243,8 +242,8 @@ class Steering(Guide):
             return False
         if record.trajectory_hash is not None and self.pool.trajectory_path(record.trajectory_hash).is_file():
             return True
-        before = self.last(trial)
-        as_before = before is not None and (before.status, before.hash) == ("passed", record.trajectory_hash)
+        before = self.searched.last.of(trial)
+        as_before = before is not None and (before.status, before.trajectory_hash) == ("passed", record.trajectory_hash)
         if self.keep == "changed" and record.status == "passed" and as_before:
             return False
         size = self._size(str(record.trajectory_hash))

@@ -50,7 +50,7 @@ _BESIDE = ("catalogue.json", "machine.json", "study.toml")
 _ROOMS = ("findings", "history", "search", "statistics", "store")
 
 Content: TypeAlias = Mapping[str, Any]
-"""What one night says, in plain values: 'night', as in `NightOf`, and 'columns' of its rows."""
+"""What one night says: 'night', a `NightOf`, and 'columns' of its rows."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -67,20 +67,11 @@ class NightOf:
     titles: Mapping[str, str] | None = None
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Readings:
-    """What nights say, the earliest first. Terms: table: with COLUMNS and 'night', the index of one of the nights."""
-
-    nights: tuple[NightOf, ...]
-    table: pd.DataFrame
-
-    @classmethod
-    def of(cls, contents: Sequence[Content]) -> "Readings":
-        """Args: contents: as `said_by` gives them."""
-        columns = {name: [*chain.from_iterable(each["columns"][name] for each in contents)] for name in COLUMNS}
-        counts = [len(each["columns"]["key"]) for each in contents]
-        nights = tuple(NightOf(**each["night"]) for each in contents)
-        return cls(nights, pd.DataFrame(columns | {"night": np.repeat(np.arange(len(contents)), counts)}))
+def table_of(contents: Sequence[Content]) -> pd.DataFrame:
+    """With COLUMNS and 'night', the index of one of the nights. Args: contents: as `said_by` gives them, the earliest first."""
+    columns = {name: [*chain.from_iterable(each["columns"][name] for each in contents)] for name in COLUMNS}
+    counts = [len(each["columns"]["key"]) for each in contents]
+    return pd.DataFrame({**columns, "night": np.repeat(np.arange(len(contents)), counts)})
 
 
 def said_by(history: History, night: Night, store: Store) -> Content:
@@ -91,12 +82,13 @@ def said_by(history: History, night: Night, store: Store) -> Content:
         kept = read_plain(path)
         if kept["dates"] == dates or kept["rests_on"] == _rests_on(night, files):
             content = json.loads(kept["said"])
-            return {"night": content["night"], "columns": {name: content["columns"][name] for name in COLUMNS}}
+            return {"night": NightOf(**content["night"]), "columns": {name: content["columns"][name] for name in COLUMNS}}
     except (StoreError, KeyError, TypeError, ValueError):
         pass  # it is made of what is there still
     content = _read(night, store)
     # Numbers that are not finite are among them, which a sealed file has no word for.
-    file = {"dates": dates, "rests_on": _rests_on(night, files), "said": json.dumps(content)}
+    said = json.dumps({**content, "night": asdict(content["night"])})
+    file = {"dates": dates, "rests_on": _rests_on(night, files), "said": said}
     with suppress(OSError):  # of a history that can only be read, each reader reads the nights anew
         disk.make_folder(path.parent)
         disk.write_atomically(path, sealed_json(path.name, file))
@@ -147,7 +139,7 @@ def _read(night: Night, store: Store) -> Content:
             _of_repetitions(store),
         )
     ]
-    return {"night": asdict(about), "columns": {name: [row[name] for row in rows] for name in COLUMNS}}
+    return {"night": about, "columns": {name: [row[name] for row in rows] for name in COLUMNS}}
 
 
 def _of_trials(

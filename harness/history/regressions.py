@@ -12,13 +12,13 @@ from plumbline.harness.findings.changes import Change
 from plumbline.harness.findings.changes.answers import as_good
 from plumbline.harness.findings.changes.weights import heaviest_first
 from plumbline.harness.findings.changes.words import command_in, sentence, titled
-from plumbline.harness.history.acknowledged import Acknowledgement, acknowledged, silenced
+from plumbline.harness.history.acknowledged import acknowledged, silenced
 from plumbline.harness.history.folder import History, Night
 from plumbline.harness.history.identity import NEAR, Named, change_id
 from plumbline.harness.history.normalisation import over_segments
-from plumbline.harness.history.readings import Content, NightOf, Readings, said_by
+from plumbline.harness.history.readings import Content, NightOf, said_by, table_of
 from plumbline.harness.history.series import Series, series_of
-from plumbline.harness.history.steps import Step, steps_of
+from plumbline.harness.history.steps import Step, exact_steps, price_steps
 from plumbline.harness.statistics.change_points import levelled
 from plumbline.harness.statistics.drift import one_drift
 from plumbline.harness.store.journal import DamagedFile
@@ -109,16 +109,16 @@ def read_trends(history: History) -> Trends:
                 unread.append(error)
             else:
                 over.append(night)
-    readings = Readings.of(contents)
-    series = series_of(readings)
-    steps = steps_of(over, readings, series)
+    nights, table = tuple(content["night"] for content in contents), table_of(contents)
+    series = series_of(nights, table)
+    steps = *exact_steps(over, table), *price_steps(series)
     return Trends(
         root=str(history.root),
-        nights=readings.nights,
+        nights=nights,
         series=series,
         steps=tuple(step for step in steps if step.members),
-        dated=date(readings.nights, steps, acknowledged(history), named_by(night.plan for night in over if night.whole)),
-        titles={name: title for night in readings.nights for name, title in (night.titles or {}).items()},
+        dated=date(nights, steps, acknowledged(history), named_by(night.plan for night in over if night.whole)),
+        titles={name: title for night in nights for name, title in (night.titles or {}).items()},
         unread=tuple(unread),
     )
 
@@ -129,7 +129,7 @@ def named_by(plans: Iterable[Any]) -> list[Named]:
 
 
 def date(
-    nights: Sequence[NightOf], steps: Sequence[Step], known: dict[str, Acknowledgement], named: Collection[Named] = ()
+    nights: Sequence[NightOf], steps: Sequence[Step], known: Mapping[str, Named], named: Collection[Named] = ()
 ) -> tuple[Dated, ...]:
     """Steps as dated changes: alike ones of one night are one, the earliest first.
 
@@ -145,7 +145,7 @@ def date(
         first = group[0].change
         until, state = _end(group, steps, nights)
         same = [other for other in named if _same(other, name, group[0], stamps, steps)]
-        seen = [entry.what for entry in known.values() if _same(entry.what, name, group[0], stamps, steps)]
+        seen = [entry for entry in known.values() if _same(entry, name, group[0], stamps, steps)]
         own = next((other.id for other in [*same, *seen] if other.case == first.case or other.id == name), name)
         entry = next((known[other.id] for other in [*seen, *same] if other.id in known), None)
         entry = entry or silenced(Named.of(first, stamps[night]), known, stamps)

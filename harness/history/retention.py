@@ -19,8 +19,7 @@ class Pruning:
     """What goes.
 
     Terms: nights; answers, trajectories: files of the pool. readings: of nights that are gone or go. standing: old nights that
-    stay, since each is the last that saw something. bytes: what is freed. links:
-    what would go, but lies elsewhere by a link.
+    stay, since each is the last that saw something. links: what would go, but lies elsewhere by a link.
     """
 
     nights: tuple[Night, ...]
@@ -28,8 +27,17 @@ class Pruning:
     trajectories: tuple[Path, ...]
     readings: tuple[Path, ...]
     standing: tuple[Night, ...]
-    bytes: int
     links: tuple[Path, ...] = ()
+
+    @property
+    def paths(self) -> list[Path]:
+        """All that goes, folders of nights first."""
+        return [*(night.folder for night in self.nights), *self.answers, *self.trajectories, *self.readings]
+
+    @property
+    def bytes(self) -> int:
+        """What is freed."""
+        return bytes_of(self.paths, shared=False)
 
 
 def pruning(history: History, *, older: float | None = None, keep_nights: int | None = None) -> Pruning:
@@ -45,18 +53,16 @@ def pruning(history: History, *, older: float | None = None, keep_nights: int | 
     old = [n for n in nights if given and n not in late and (before is None or n.began < before)]
     needed = last_to_see(history.whole_nights())
     going = tuple(night for night in old if night not in needed)
-    answers, trajectories = _unnamed(history, [night for night in nights if night not in going])
-    readings = of_others(history, {night.stamp for night in nights if night not in going})
-    elsewhere = {
-        path for path in (*(night.folder for night in going), *answers, *trajectories, *readings) if not _within(path, history)
-    }
-    going = tuple(night for night in going if night.folder not in elsewhere)
-    answers, trajectories, readings = (
-        tuple(path for path in paths if path not in elsewhere) for paths in (answers, trajectories, readings)
-    )
-    paths = [*(night.folder for night in going), *answers, *trajectories, *readings]
+    staying = [night for night in nights if night not in going]
+    readings = of_others(history, {night.stamp for night in staying})
     standing = tuple(night for night in old if night in needed)
-    return Pruning(going, answers, trajectories, readings, standing, bytes_of(paths, shared=False), tuple(sorted(elsewhere)))
+    every = Pruning(going, *_unnamed(history, staying), readings, standing)
+    links = {path for path in every.paths if not _within(path, history)}
+    answers, trajectories, readings = (
+        tuple(path for path in paths if path not in links) for paths in (every.answers, every.trajectories, readings)
+    )
+    nights_here = tuple(night for night in going if night.folder not in links)
+    return Pruning(nights_here, answers, trajectories, readings, standing, tuple(sorted(links)))
 
 
 def _within(path: Path, history: History) -> bool:
@@ -69,7 +75,7 @@ def prune(what: Pruning) -> None:
     for night in what.nights:
         disk.remove(night.folder / "journal.jsonl")
         shutil.rmtree(night.folder)
-    for path in (*what.answers, *what.trajectories, *what.readings):
+    for path in what.paths[len(what.nights) :]:
         disk.remove(path)
 
 

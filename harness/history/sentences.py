@@ -8,8 +8,8 @@ from typing import Any
 from plumbline.harness.findings.changes import Change, Changes
 from plumbline.harness.findings.changes.answers import as_good
 from plumbline.harness.findings.changes.comment import comment
-from plumbline.harness.findings.changes.words import command, sentence
-from plumbline.harness.history.acknowledged import Acknowledgement, silenced
+from plumbline.harness.findings.changes.words import command, headline, judged_in_short, sentence
+from plumbline.harness.history.acknowledged import silenced
 from plumbline.harness.history.changes_since import News
 from plumbline.harness.history.gate import counted, without_answers
 from plumbline.harness.history.identity import Named, change_id
@@ -102,7 +102,7 @@ def in_short(plan: Mapping[str, Any]) -> str:
 
 def open_since(
     plans: Sequence[Mapping[str, Any]],
-    known: dict[str, Acknowledgement],
+    known: Mapping[str, Named],
     over: Collection[str] = (),
     tonight: Sequence[Mapping[str, Any]] = (),
 ) -> list[Mapping[str, Any]]:
@@ -140,6 +140,27 @@ def outcomes_in_short(plan: Mapping[str, Any]) -> str:
     return f"outcomes: {'; '.join(counted(engine, of) for engine, of in outcomes.items())}" if outcomes else ""
 
 
+def _ended(plan: Mapping[str, Any]) -> list[str]:
+    """How trials ended, what the budget left out and what had no answer, a line each."""
+    lines = outcomes_in_short(plan), left_out_in_short(plan["left_out"]), unanswered_in_short(plan.get("unanswered", ()))
+    return [line for line in lines if line]
+
+
+def lines_of(news: News | None, plan: Mapping[str, Any], findings: Sequence[str], failing: Sequence[str]) -> list[str]:
+    """What a night prints: how much was judged, what it did, what changed, why its gate fails. findings: as for `summary`."""
+    return [
+        *([] if news is None else [judged_in_short(news.changes.judged_of(plan["gated"]))]),
+        in_short(plan),
+        *_ended(plan),
+        *(f"left out: {text}" for text in plan["unread"]),
+        *findings,
+        "nothing of it was seen before" if news is None else headline(news.changes),
+        *worse_in_short(plan["told"], plan["gated"]),
+        *unconfirmed_in_short(plan["unconfirmed"]),
+        *(f"gate: {reason}" for reason in failing),
+    ]
+
+
 def unconfirmed_in_short(rows: Sequence[Mapping[str, Any]]) -> list[str]:
     """Lines of prices that are dearer by timings too unstable to judge by, each with what measures it again."""
     lines = [line for row in rows[:_FIRST] for line in (row["sentence"], f"    {row['command']}")]
@@ -156,9 +177,7 @@ def summary(
     tail = ["", "## Findings about engines", "", *(f"* {markdown_cell(each)}" for each in findings)] if findings else []
     tail += ["", "## The night", "", markdown_cell(in_short(plan)) + "."]
     tail += [line for text in plan.get("unread", ()) for line in ("", f"Left out: {markdown_cell(text)}.")]
-    for line in (outcomes_in_short(plan), left_out_in_short(plan["left_out"]), unanswered_in_short(plan.get("unanswered", ()))):
-        if line:
-            tail += ["", markdown_cell(line[0].upper() + line[1:]) + "."]
+    tail += [line for text in _ended(plan) for line in ("", markdown_cell(text[0].upper() + text[1:]) + ".")]
     for line in without_answers(plan, plan.get("gated", ())):
         tail += ["", f"Gate: {markdown_cell(line)}."]
     if news is not None and news.acknowledged:

@@ -1,6 +1,6 @@
 """Series over a history: what each night said of every price, error and limit, in segments of one machine and one version."""
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import Any, get_args
 
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from plumbline.harness.findings.changes.values import Beside
 from plumbline.harness.history.normalisation import yardsticks
-from plumbline.harness.history.readings import SUBJECT, Measured, Readings
+from plumbline.harness.history.readings import SUBJECT, Measured, NightOf
 from plumbline.harness.trajectory import Floats
 
 
@@ -48,9 +48,14 @@ class Series:
         return quotients
 
 
-def series_of(readings: Readings, kinds: Collection[Measured] = get_args(Measured)) -> tuple[Series, ...]:
-    """All series of these kinds, in the order in which they were first seen; prices with what they are divided by."""
-    nights, table = readings.nights, readings.table[readings.table["kind"].isin(kinds)]
+def series_of(
+    nights: Sequence[NightOf], table: pd.DataFrame, kinds: Collection[Measured] = get_args(Measured)
+) -> tuple[Series, ...]:
+    """All series of these kinds, in the order in which they were first seen; prices with what they are divided by.
+
+    Args: table: of these nights, as `table_of` gives it.
+    """
+    table = table[table["kind"].isin(kinds)]
     table = table.assign(series=pd.factorize(table["key"])[0]).sort_values(["series", "night"], kind="stable")
     # Numbers of segments are shared by all series, so that those of one engine can be judged together.
     table["segment"] = pd.factorize(pd.MultiIndex.from_frame(table[["engine", "part", "version"]]))[0]

@@ -27,7 +27,7 @@ from plumbline.harness.findings.limits_found import Search
 from plumbline.harness.findings.tables.determinism import Agreement
 from plumbline.harness.history.folder import Night
 from plumbline.harness.history.normalisation import over_segments
-from plumbline.harness.history.readings import EXACT, Readings, answer_key
+from plumbline.harness.history.readings import EXACT, answer_key
 from plumbline.harness.history.series import Series
 from plumbline.harness.statistics.change_points import FEWEST, ChangePoint, change_points, common_mode, levelled
 from plumbline.harness.trajectory import Floats
@@ -52,16 +52,9 @@ class Step:
     members: tuple[Series, ...] = ()
 
 
-def steps_of(nights: Sequence[Night], readings: Readings, series: Sequence[Series]) -> tuple[Step, ...]:
-    """All steps; the tables of two nights are read where an answer is another. Args: nights: those of the readings.
-
-    Raises: StoreError.
-    """
-    return *_exact(nights, readings.table), *price_steps(series)
-
-
-def _exact(nights: Sequence[Night], table: pd.DataFrame) -> Iterator[Step]:
-    """What is exact and another than the last time; where one was lost in between, than the last that there was, too."""
+def exact_steps(nights: Sequence[Night], table: pd.DataFrame) -> Iterator[Step]:
+    """What is exact and another than the last time; where one was lost in between, than the last that there was, too: the
+    tables of two nights are read where an answer is another. Args: table: of these nights. Raises: StoreError."""
     exact = table[table["kind"].isin(EXACT) & ~table["status"].isin(_SILENT)]
     both = _others(exact), _others(exact[~exact["status"].isin(LOST)])
     others = pd.concat(both).drop_duplicates(["key", "night", "before"])

@@ -55,7 +55,7 @@ def _pool(pool: Pool, sound: set[tuple[int, int]]) -> Iterator[Problem]:
             answer = pool.answer(path.stem)
         except (StoreError, ValueError, KeyError, TypeError, json.JSONDecodeError):
             continue  # its seal said so
-        if answer is None or answer.record.trial != path.stem:
+        if answer is None or answer.trial != path.stem:
             yield Problem(path, "is the answer to another trial than its name says", _AGAIN)
     for path in pool.trajectories():
         try:

@@ -21,6 +21,17 @@ from plumbline.harness.store.seal import Damaged, check_seal, sealed_json
 from plumbline.harness.store.stored_tables import BESIDE, COLUMNS, read_tables, tables_of
 
 
+class _Entry(dict[str, Any]):
+    """An entry of the catalogue, which says what it lacks: folders of older versions have fewer fields."""
+
+    def __init__(self, fields: Mapping[str, Any], where: str) -> None:
+        super().__init__(fields)
+        self._where = where
+
+    def __missing__(self, field: str) -> Any:
+        raise StoreError(f"{self._where} lacks {field!r}; run the study again with --resume, which writes the catalogue anew")
+
+
 def write_json(path: Path, content: Mapping[str, Any]) -> None:
     """Write a JSON object with its seal. Raises: OSError."""
     disk.write_atomically(path, disk.calls.filled(lambda: sealed_json(path.name, content)))
@@ -199,13 +210,15 @@ class Store:
         return {name: str(about["title"]) for kind in kinds for name, about in kind.items() if about.get("title")}
 
     def described(self, kind: Literal["cases", "engines"], name: str) -> Mapping[str, Any]:
-        """The entry of a case or an engine in the catalogue, for what cannot be worked out without. Raises: StoreError."""
+        """The entry of a case or an engine in the catalogue, for what cannot be worked out without.
+
+        Raises: StoreError, for an entry that is not there, and by the entry itself for a field that it has not.
+        """
         path, known = self.folder / "catalogue.json", self.catalogue.get(kind, {})
         if name not in known:
             why = f"{kind} lacks {name!r}" if path.is_file() else f"missing, and with it what {name!r} was asked"
             raise StoreError(f"{path}: {why}; restore the file, or run the study again with --resume, which writes it anew")
-        entry: Mapping[str, Any] = known[name]
-        return entry
+        return _Entry(known[name], f"{path}: {kind}: {name!r}")
 
     @cached_property
     def machine(self) -> dict[str, Any]:

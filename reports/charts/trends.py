@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from plumbline.harness.history.panels import Panel
 from plumbline.harness.history.readings import NightOf
 from plumbline.reports.charts.figure import Figure
 from plumbline.reports.charts.grammar import Row, channel, chart, hovering
 from plumbline.reports.charts.marks import POINT, finished
 from plumbline.reports.charts.palette import Look
+from plumbline.reports.charts.panels import Panel
 from plumbline.reports.words.text import amount, plural, slug, visible
 
 NEUTRAL = "#8a93a0"

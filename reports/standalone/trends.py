@@ -6,12 +6,12 @@ from itertools import pairwise
 from pathlib import Path
 from shlex import quote
 
-from plumbline.harness.history.panels import Panel, engine_panels, panels
 from plumbline.harness.history.regressions import Trends
 from plumbline.harness.history.series import Series
 from plumbline.harness.store.disk import make_folder, write_atomically
 from plumbline.reports.charts.figure import Figure
 from plumbline.reports.charts.palette import looks
+from plumbline.reports.charts.panels import Panel, engine_panels, panels
 from plumbline.reports.charts.trends import Miniature, index_chart, miniature
 from plumbline.reports.html.drawing import Drawing
 from plumbline.reports.html.policy import guarded

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from plumbline.harness.adapter import Feature
-from plumbline.harness.scene import Distance, Joint, Prismatic, Revolute, Scene
+from plumbline.harness.scene import Distance, Joint, Limits, Prismatic, Revolute, Scene
 from plumbline.harness.trajectory import Floats
 from plumbline.harness.trajectory.joint_states import JointStates
 from plumbline.harness.trajectory.kinematics import rotate, rotate_back
@@ -36,6 +36,15 @@ class _Misread(Wrapped):
     def reaction(self, reaction: Floats) -> Floats:
         """Forces and torques (j, 6) of the joints, changed."""
         return reaction
+
+
+@fault("one_limit_leaves_the_other_side_open", needs=Feature.REVOLUTE | Feature.PRISMATIC | Feature.LIMITS)
+def open_limits_at_one(joint: Revolute | Prismatic) -> Joint:
+    """a limit that is left open is taken for one at 1 m or rad"""
+    if joint.limits is None:
+        return joint
+    lower, upper = joint.limits.lower, joint.limits.upper
+    return replace(joint, limits=Limits(lower=-1.0 if lower is None else lower, upper=1.0 if upper is None else upper))
 
 
 @fault("limits_hold", needs=Feature.REVOLUTE | Feature.LIMITS)
@@ -216,3 +225,16 @@ def distance_spring_tied_to_the_centre(scene: Scene) -> Scene:
     """a spring between two bodies pulls at the child's centre of mass"""
     joints = tuple(replace(j, child_anchor_W=scene.body(j.child).p_WB) if isinstance(j, Distance) else j for j in scene.joints)
     return replace(scene, joints=joints)
+
+
+@fault(
+    "closed_loop_rests_where_it_was_built",
+    needs=Feature.REVOLUTE | Feature.BALL | Feature.CLOSED_LOOP | Feature.WRENCH,
+)
+class loops_pull_on_their_bodies(Wrapped):
+    """what closes a loop pulls on its bodies"""
+
+    def start(self) -> None:
+        count = len(self.scene.bodies)
+        if len(self.scene.joints) > count:
+            self.inner.wrench(np.tile((0.0, 0.0, 5.0), (count, 1)), np.zeros((count, 3)))

@@ -436,3 +436,19 @@ def mass_point_given_an_extent(body: Body) -> Body:
 def mass_point_ten_percent_light(body: Body) -> Body:
     """mass points weigh .9 of what they should"""
     return replace(body, mass=0.9 * body.mass) if body.mass_point else body
+
+
+@fault("force_lead_is_what_a_step_shows", needs=Feature.WRENCH)
+class lead_of_forces_too_long(Wrapped):
+    """forces are said to act half a step later than they do"""
+
+    @property
+    def force_lead(self) -> float:
+        """The share of a step."""
+        return 0.5 + float(self.inner.force_lead)  # type: ignore[attr-defined]  # what an engine may offer
+
+
+@fault("strong_damping_brings_to_rest", needs=Feature.LINEAR_DAMPING | Feature.ANGULAR_DAMPING)
+def strong_damping_dropped(body: Body) -> Body:
+    """damping of more than 100/s is left out"""
+    return replace(body, linear_damping=0.0, angular_damping=0.0) if body.linear_damping > 100.0 else body

@@ -6,7 +6,7 @@ import numpy as np
 
 from plumbline.harness.adapter import Feature
 from plumbline.harness.scene import Distance, Joint, Limits, Prismatic, Revolute
-from plumbline.harness.trajectory import Floats
+from plumbline.harness.trajectory import Floats, State
 from tests.planted_faults.fault import fault
 from tests.planted_faults.planting import Wrapped
 
@@ -50,3 +50,23 @@ class uneven_steps_forget_sub_steps(Wrapped):
 
     def retime(self, dt: float) -> None:
         self.inner.retime(dt * (self.asked.substeps or 1))  # type: ignore[attr-defined]  # what an engine may offer
+
+
+@fault("pair_wrench_and_hinge", "pair_hinge_and_child_turned", "pair_slide_and_drive", needs=_HINGE | Feature.WRENCH)
+class velocities_half_a_step_late(Wrapped):
+    """the velocities of joined bodies are told as they were half a step ago"""
+
+    def start(self) -> None:
+        self._before = self.now()
+
+    def step(self, count: int = 1) -> None:
+        if count > 1:
+            self.inner.step(count - 1)
+        if count > 0:
+            self._before = self.now()
+            self.inner.step()
+
+    def state(self, out: State) -> None:
+        self.inner.state(out)
+        if self.scene.joints:
+            out.v_WB[:], out.w_WB[:] = (out.v_WB + self._before.v_WB) / 2, (out.w_WB + self._before.w_WB) / 2

@@ -7,7 +7,8 @@ from math import sqrt
 import numpy as np
 
 from plumbline.harness.adapter import Feature
-from plumbline.harness.scene import AxisNoise, Camera, Imu
+from plumbline.harness.adapter.rotations import principal_frame
+from plumbline.harness.scene import WORLD, AxisNoise, Body, Camera, Imu, Scene, Sensor, multiply, rotate
 from plumbline.harness.trajectory import Floats, Hits, Image, Trajectory
 from tests.planted_faults.fault import fault
 from tests.planted_faults.planting import Wrapped
@@ -95,6 +96,42 @@ class half_a_pixel_off(Wrapped):
         return self.inner.render(moved, colour)
 
 
+@fault("camera_is_mounted_on_what_turns", needs=_R)
+class focal_lengths_exchanged(Wrapped):
+    """the focal length along x is taken along y, and the other way round"""
+
+    def render(self, camera: Camera, colour: bool = True) -> Image:
+        return self.inner.render(replace(camera, focal_x=camera.focal_y, focal_y=camera.focal_x), colour)
+
+
+@fault("camera_is_mounted_on_what_turns", needs=_R)
+class camera_turned_before_its_body(Wrapped):
+    """the turn of a camera on its body and the turn of the body are multiplied in the other order"""
+
+    def render(self, camera: Camera, colour: bool = True) -> Image:
+        if camera.body == WORLD:
+            return self.inner.render(camera, colour)
+        w, x, y, z = (float(c) for c in self.now().q_WB[self.scene.index(camera.body)])
+        exchanged = multiply((w, -x, -y, -z), multiply(camera.q_BS, (w, x, y, z)))
+        return self.inner.render(replace(camera, q_BS=exchanged), colour)
+
+
+@fault("lidar_reads_between_its_bounds", needs=Feature.RAYS | Feature.BOX)
+class rays_pass_what_is_near(Wrapped):
+    """rays meet nothing within the first 1.5 m, and go on"""
+
+    def cast(self, origins: Floats, directions: Floats, max_range: float) -> Hits:
+        near = self.inner.cast(origins, directions, max_range)
+        beyond = self.inner.cast(origins + 1.5 * directions, directions, max_range - 1.5)
+        beyond = replace(beyond, distance=beyond.distance + 1.5)
+        passed = near.distance < 1.5
+        return Hits(
+            np.where(passed, beyond.distance, near.distance),
+            np.where(passed, beyond.body, near.body),
+            np.where(passed[:, None], beyond.normal_W, near.normal_W),
+        )
+
+
 @fault("image_names_bodies", needs=_R)
 class misnamed_bodies(Wrapped):
     """images count bodies from 1"""
@@ -144,7 +181,17 @@ class rays_pass_kinematic_bodies(Wrapped):
         )
 
 
-@fault("rays_see_the_present_state", needs=Feature.RAYS | Feature.SPHERE)
+@fault("rays_meet_what_collides", needs=Feature.RAYS | Feature.BOX)
+def rays_meet_what_is_drawn(body: Body) -> Body:
+    """rays meet the shapes that are drawn"""
+    return body if body.visual is None else replace(body, collision=body.visual)
+
+
+@fault(
+    "rays_see_the_present_state",
+    "rays_meet_turned_shapes_of_a_body_that_turns",
+    needs=Feature.RAYS | Feature.SPHERE | Feature.BOX,
+)
 class rays_one_step_late(_WithATwin):
     """rays meet bodies where they were one step ago
 
@@ -210,6 +257,28 @@ class own_sensors_one_step_late(Wrapped):
 
     def inertial(self, name: str) -> tuple[Floats, Floats]:
         return self._said[name]
+
+
+@fault("inertial_sensors_say_what_they_feel", "inertial_sensors_feel_their_support", needs=Feature.WRENCH)
+class units_of_own_sensors_exchanged(Wrapped):
+    """the engine's own accelerometer speaks in rad/s, its gyroscope in m/s2: each tells what the other feels"""
+
+    def inertial(self, name: str) -> tuple[Floats, Floats]:
+        force, rate = self.inner.inertial(name)
+        return rate, force
+
+
+@fault("inertial_sensors_on_turned_principal_axes", needs=Feature.WRENCH | Feature.FULL_INERTIA)
+def own_sensors_in_the_principal_frame(scene: Scene) -> Scene:
+    """the engine's own sensors are mounted on the principal axes of their body"""
+
+    def moved(imu: Sensor) -> Sensor:
+        if not isinstance(imu, Imu):
+            return imu
+        _, q_BM = principal_frame(scene.body(imu.body))
+        return replace(imu, p_BS=rotate(q_BM, imu.p_BS), q_BS=multiply(q_BM, imu.q_BS))
+
+    return replace(scene, sensors=tuple(moved(sensor) for sensor in scene.sensors))
 
 
 @fault(cases=("sensor_streams",))

@@ -94,6 +94,9 @@ rough = dear(1.0, scene=rougher)
 only_mujoco = partial(asked, engines=("mujoco",))
 only_flight = partial(asked, replace(STUDY, experiments=STUDY.experiments[1:]))
 default_alone = partial(asked, replace(STUDY, experiments=tuple(replace(e, tracks=("default",)) for e in STUDY.experiments)))
+other_study = partial(asked, replace(STUDY, name="other"))
+fewer_steps = partial(asked, replace(STUDY, experiments=(STUDY.experiments[0], replace(STUDY.experiments[1], dt=(1 / 60,)))))
+renamed = partial(asked, replace(STUDY, experiments=tuple(replace(e, name=f"{e.name}_2") for e in STUDY.experiments)))
 HISTORIES = (
     Planted("a step of 15 %", (sound, dear(1.15), dear(1.15)), (0, 1, 0), {1: "reference: as a whole", 2: ""}),
     Planted("a step of 30 % in the other engine", (sound, dear(1.3, "mujoco")), (0, 1), {1: "mujoco: as a whole"}),
@@ -171,6 +174,35 @@ HISTORIES = (
         {1: "lost: crashed"},
     ),
     Planted("dearer by clocks that stray", (partial(unstable, 1.0), partial(unstable, 3.1)), (0, 0), {1: "unconfirmed"}),
+    Planted(
+        "five nights of another study, then a fault",
+        (*(sound,) * 6, rough),
+        (*(0,) * 6, 1),
+        {6: "friction_stop on reference"},
+        asks=dict.fromkeys(range(1, 6), other_study),
+    ),
+    Planted(
+        "five nights of fewer steps, then 30 % dearer with a fault",
+        (*(sound,) * 6, dear(1.3, scene=rougher)),
+        (*(0,) * 6, 1),
+        {6: "friction_stop on reference"},
+        asks=dict.fromkeys(range(1, 6), fewer_steps),
+    ),
+    Planted("a rise of 1 % a night over 33", tuple(dear(1.01**k) for k in range(33)), (), {ANY: "over all nights"}),
+    Planted("a rise of 3 % a night over 12", tuple(dear(1.03**k) for k in range(12)), (0,) * 12, {11: ""}),
+    Planted(
+        "a new version by its suffix alone, dearer with a fault",
+        (partial(version, "3.3.0"), partial(version, "3.3.0.post1", Fault(engine="reference", price=1.3, scene=rougher))),
+        (0, 1),
+        {1: "friction_stop on reference"},
+    ),
+    Planted(
+        "a fault in the night in which the experiments are renamed",
+        (sound, rough, rough),
+        (0, 0, 0),
+        {1: ""},
+        asks={1: renamed, 2: renamed},
+    ),
 )
 
 

@@ -1,11 +1,18 @@
 """Long runs as the table of drifts reads them: what rests by its place, what moves by its energy."""
 
-import numpy as np
+import json
+from pathlib import Path
 
-from plumbline.harness.findings.tables.drift import _series
+import numpy as np
+import pytest
+
+from plumbline.harness.findings.tables.drift import TABLE, _series
 from plumbline.harness.scene import Body, Box, PlacedShape, Scene, box_inertia
 from plumbline.harness.scene.file import dump_json
 from plumbline.harness.statistics.order import fit_slope
+from plumbline.harness.store.journal import StoreError
+from plumbline.harness.store.store import Store
+from tests.run_folder import write_run_folder
 
 HALF = (0.1, 0.1, 0.1)
 CREEP = 1e-6
@@ -41,3 +48,13 @@ def test_a_body_that_keeps_its_speed_keeps_its_energy() -> None:
     quantity, _, series = _series(kept(1.0), rests=False)
     assert quantity == "energy"
     assert np.abs(series).max() == 0.0
+
+
+def test_a_folder_whose_catalogue_has_no_durations_is_told_to_write_it_anew(tmp_path: Path) -> None:
+    folder = write_run_folder(tmp_path / "run")
+    catalogue = json.loads((folder / "catalogue.json").read_text(encoding="utf-8"))
+    for case in catalogue["cases"].values():
+        del case["duration"]
+    (folder / "catalogue.json").write_text(json.dumps(catalogue), encoding="utf-8")
+    with pytest.raises(StoreError, match=r"catalogue\.json: cases: '\w+' lacks 'duration'; run the study again with --resume"):
+        TABLE.objects(Store(folder))

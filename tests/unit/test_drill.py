@@ -61,7 +61,8 @@ def test_a_step_of_the_planted_engine_lasts_as_many_times_as_long(monkeypatch: p
 @pytest.mark.slow
 def test_the_second_night_names_the_friction_and_the_first_names_nothing(tmp_path: Path) -> None:
     """Whether the time is named hangs on the machine's noise: that is what the drill tells its user."""
-    first, second = drill.nights(tmp_path, "bullet")
-    assert (first.code, first.friction) == (0, "")
-    assert second.code == 1, second.output
-    assert "friction_stop on drill" in second.friction
+    (first, nothing), (second, named) = drill.nights(tmp_path, "bullet")
+    assert first.returncode == 0, first.stderr
+    assert nothing["1.05 times the friction"] == ""
+    assert second.returncode == 1, second.stderr
+    assert "friction_stop on drill" in named["1.05 times the friction"]

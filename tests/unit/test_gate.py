@@ -12,8 +12,9 @@ from typing import Any
 import pytest
 
 from plumbline.harness.history.blocks import last_to_see
-from plumbline.harness.history.changes_since import News
+from plumbline.harness.history.changes_since import EARLIER, News
 from plumbline.harness.history.folder import opened
+from plumbline.harness.history.gate import reasons
 from plumbline.harness.history.regressions import read_trends
 from plumbline.harness.history.retention import prune, pruning
 from plumbline.harness.history.sentences import open_since
@@ -67,6 +68,26 @@ def test_a_night_that_was_narrowed_hides_no_fault_from_the_next(root: Path, narr
     assert news is not None
     tracks = {row.track for row in news.changes.rows if row.case == "friction_stop" and row.sense == "worse"}
     assert tracks == {"default", "tuned"}
+
+
+def test_nights_of_another_study_hide_no_fault_from_the_next_of_this_one(root: Path) -> None:
+    with planted():
+        for _ in range(EARLIER + 1):
+            _, news, _ = night(root, asked(replace(LOOK, name="other")))
+    first, *others = opened(root).nights()
+    assert pruning(opened(root), keep_nights=1).standing == (first,)
+    assert len(others) == EARLIER + 1
+    assert news is not None  # with the night before, of the same study
+    with planted(ROUGHER):
+        _, news, _ = night(root, asked(LOOK))
+    assert {case for _, case in worse(news)} == {"friction_stop"}
+
+
+def test_a_night_of_a_study_that_none_before_asked_says_that_nothing_was_seen(root: Path) -> None:
+    with planted(ROUGHER):
+        _, news, account = night(root, asked(replace(LOOK, name="other")))
+    assert news is None
+    assert reasons(news, account, ("reference",), 0.9) == ["not judged: nothing of it was seen before"]
 
 
 def test_of_a_night_of_an_older_version_the_journal_says_which_engines_it_saw(root: Path) -> None:

@@ -172,6 +172,14 @@ def test_an_oscillator_that_stands_still_or_runs_double_has_no_small_phase_error
     assert phase_error(OSCILLATOR, _oscillation(TIME, rate=2 * RATE), truth) > 2 * np.pi
 
 
+def test_a_passage_that_comes_after_the_end_is_no_lost_turn() -> None:
+    """The truth passes upwards six times, at 3.14 s and so on; slower by so much, the answer's sixth comes at 20.5 s."""
+    slower = 20.5 / (6 * np.pi)
+    late = 5 * np.pi * (slower - 1)
+    error = phase_error(OSCILLATOR, _oscillation(TIME, rate=RATE / slower), _oscillation(TIME))
+    assert error == pytest.approx(2 * late, rel=1e-3)
+
+
 def _two(joint: Ball | Distance | Prismatic | Revolute) -> tuple[Scene, Trajectory]:
     scene = Scene(bodies=(Body(name="a"), Body(name="b", p_WB=(2.0, 0, 0))), joints=(joint,))
     made = Trajectory.of(np.linspace(0, 1, 3), 2)

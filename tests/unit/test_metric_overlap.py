@@ -10,6 +10,7 @@ from plumbline.cases import stack_tower
 from plumbline.cases.stack_pile import RADIUS, P, expected, scene
 from plumbline.harness.metric import NotMeasurable
 from plumbline.harness.metrics.overlaps import overlap
+from plumbline.harness.scene import Body, PlacedShape, Scene, Sphere, Surface
 from plumbline.harness.trajectory import Trajectory
 
 FIRST = 5  # after the floor and four walls
@@ -29,6 +30,18 @@ def test_a_ball_pushed_into_another_overlaps_by_that_much() -> None:
     way = run.p_WB[0, FIRST + 1] - run.p_WB[0, FIRST]
     run.p_WB[1, FIRST] += 1e-4 * way / np.linalg.norm(way)
     assert overlap(scene(P(n=20)), run) == pytest.approx(1e-4, abs=ROUNDING)
+
+
+def test_two_large_balls_beside_a_small_one_overlap_by_their_depth() -> None:
+    """Their centres are farther apart than a large and a small ball could touch at."""
+    balls = [
+        Body(name=name, mass=1.0, collision=(PlacedShape(shape=Sphere(radius=radius)),))
+        for name, radius in (("a", 1.0), ("b", 1.0), ("small", 0.1))
+    ]
+    run = Trajectory.of(np.zeros(1), 3)
+    run.p_WB[0] = [[0.0, 0.0, 0.0], [1.5, 0.0, 0.0], [0.0, 9.0, 0.0]]
+    free = Surface(between=("default", "default"), static_friction=0.0, kinetic_friction=0.0, restitution=0.0)
+    assert overlap(Scene(bodies=tuple(balls), surfaces=(free,)), run) == pytest.approx(0.5)
 
 
 @pytest.mark.parametrize(("wall", "direction"), [("floor", (0, 0, -1)), ("west", (-1, 0, 0)), ("north", (0, 1, 0))])

@@ -10,7 +10,6 @@ from click.testing import CliRunner
 
 from plumbline.harness.cli.main import main
 from plumbline.harness.findings.changes import Change
-from plumbline.harness.history.acknowledged import Acknowledgement
 from plumbline.harness.history.folder import History
 from plumbline.harness.history.identity import Named
 from plumbline.harness.history.normalisation import yardsticks
@@ -187,11 +186,11 @@ def test_a_price_has_the_name_under_which_a_night_told_it_and_one_word_silences_
         (told, (whole,), "open"),
         (replace(told, sense="better"), (replace(stepped, case="y"),), "open"),
     ):
-        entry = Acknowledgement(what=named, note="known", when="")
+        entry = replace(named, note="known")
         assert {row.state for row in date(nights, [Step(8, change) for change in changes], {named.id: entry}, [told])} == {
             state
         }
-    (apart,) = date(nights, [Step(14, stepped)], {told.id: Acknowledgement(what=told, note="known", when="")}, [told])
+    (apart,) = date(nights, [Step(14, stepped)], {told.id: replace(told, note="known")}, [told])
     assert (apart.told, apart.state) == (False, "open")
 
 

@@ -234,3 +234,24 @@ def joined_bodies_collide_when_told(adapter: Adapter, settings: Settings) -> Fin
         raise NotApplicable(f"refused: {refusal}") from refusal
     rate = float(end.w_WB[1, 1] - end.w_WB[0, 1])
     return judge(that(rate > -0.05, f"rate of the hinge: got {rate:.4g} rad/s, expected above -.05: the boxes meet and stop"))
+
+
+@check(
+    "Does a loop that is closed between turned bodies rest where it was built?",
+    Feature.REVOLUTE | Feature.BALL | Feature.CLOSED_LOOP,
+)
+def closed_loop_rests_where_it_was_built(adapter: Adapter, settings: Settings) -> Finding:
+    """Two turned bodies on hinges to the world, a ball between them off both centres, at rest where nothing pulls."""
+    left, right = free("left", p=(-0.5, 0.2, 0.0), q=TURNED), free("right", p=(0.5, -0.1, 0.3), q=multiply(TURNED, TURNED))
+    joints = (
+        Revolute(name="a", parent=WORLD, child="left", anchor_W=(-1.0, 0.0, 0.2), axis_W=(0.0, 1.0, 0.0)),
+        Revolute(name="b", parent=WORLD, child="right", anchor_W=(1.0, 0.0, -0.2), axis_W=(0.0, 1.0, 0.0)),
+        Ball(name="shut", parent="left", child="right", anchor_W=(0.1, 0.3, 0.2)),
+    )
+    scene = Scene(bodies=(left, right), joints=joints, gravity=_NOWHERE)
+    end = final(adapter, scene, settings.with_dt(FINE), 0.2)
+    turns = [angle_between(end.q_WB[k], body.q_WB) for k, body in enumerate(scene.bodies)]
+    return judge(
+        near("places [m]", end.p_WB, [left.p_WB, right.p_WB], 1e-4, "nothing pulls, nothing moves"),
+        near("turns [rad]", turns, (0.0, 0.0), 1e-4),
+    )

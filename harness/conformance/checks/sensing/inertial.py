@@ -1,5 +1,6 @@
 """Checks of an engine's own accelerometer and gyroscope, on a lever, in the sensor's frame, at this instant; and of noise."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -37,6 +38,40 @@ def inertial_sensors_say_what_they_feel(adapter: Adapter, settings: Settings) ->
         force, rate = inertial("imu")
     R_WB = rotation(at.q_WB[0])
     R_SW, r, w, alpha = (R_WB @ rotation(imu.q_BS)).T, R_WB @ lever, at.w_WB[0], tau / moment
+    felt = R_SW @ (np.cross(alpha, r) + np.cross(w, np.cross(w, r)))
+    later = alpha * COARSE
+    change = float(np.linalg.norm(np.cross(later, np.cross(w, r)) + np.cross(w, np.cross(later, r))))
+    because = "a fifth of what one step changes"
+    return judge(
+        near("specific force in S [m/s2]", force, felt, 0.2 * change, because),
+        near("angular velocity in S [rad/s]", rate, R_SW @ w, 0.2 * float(np.linalg.norm(later)), because),
+    )
+
+
+@check(
+    "Do the engine's own sensors keep their mount on a body whose principal axes are turned against it?",
+    Feature.WRENCH | Feature.FULL_INERTIA,
+    firm=True,
+)
+def inertial_sensors_on_turned_principal_axes(adapter: Adapter, settings: Settings) -> Finding:
+    """As above, with products of inertia: I w' = tau - w x I w, all in W."""
+    R_BM, tau = rotation(multiply(TURNED, TURNED)), np.array([1.0, 2.0, -1.5])
+    inertia_B = R_BM @ np.diag([0.3, 0.2, 0.25]) @ R_BM.T
+    inertia_B = (inertia_B + inertia_B.T) / 2
+    imu = Imu(name="imu", body="body", rate=1.0, p_BS=(0.4, -0.3, 0.2), q_BS=TURNED)
+    rows: Any = tuple(tuple(float(x) for x in row) for row in inertia_B)
+    body = replace(free(p=(1.0, 2.0, 3.0), q=TURNED, w=(2.0, -1.0, 3.0)), inertia=rows)
+    with built(adapter, Scene(bodies=(body,), sensors=(imu,)), settings.with_dt(COARSE)) as simulation:
+        inertial: Any = getattr(simulation, "inertial", None)
+        if inertial is None:
+            raise NotApplicable("the engine has no sensors of its own")
+        simulation.wrench(np.zeros((1, 3)), tau[None])
+        simulation.step(12)
+        at = state_of(simulation, Scene(bodies=(body,)))
+        force, rate = inertial("imu")
+    R_WB, w = rotation(at.q_WB[0]), at.w_WB[0]
+    R_SW, r, inertia = (R_WB @ rotation(imu.q_BS)).T, R_WB @ imu.p_BS, R_WB @ inertia_B @ R_WB.T
+    alpha = np.linalg.solve(inertia, tau - np.cross(w, inertia @ w))
     felt = R_SW @ (np.cross(alpha, r) + np.cross(w, np.cross(w, r)))
     later = alpha * COARSE
     change = float(np.linalg.norm(np.cross(later, np.cross(w, r)) + np.cross(w, np.cross(later, r))))

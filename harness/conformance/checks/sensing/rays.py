@@ -1,21 +1,25 @@
 """Checks of rays against closed forms."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from plumbline.harness.adapter import Adapter, Feature, Settings, Unsupported
 from plumbline.harness.conformance.check import Finding, NotApplicable, check, judge, near, that
 from plumbline.harness.conformance.exact import first_hit, rotation
-from plumbline.harness.conformance.runs import built
-from plumbline.harness.conformance.scenes import TURNED, ball, static
+from plumbline.harness.conformance.runs import built, state_of
+from plumbline.harness.conformance.scenes import TURNED, ball, free, static
 from plumbline.harness.scene import (
     Box,
     Capsule,
     Cylinder,
     Ellipsoid,
+    PlacedShape,
     Plane,
     Scene,
     Shape,
     Sphere,
+    axis_angle,
 )
 from plumbline.harness.trajectory import Floats, Hits
 
@@ -165,6 +169,27 @@ def ray_names_body_and_normal(adapter: Adapter, settings: Settings) -> Finding:
     )
 
 
+@check("Do rays meet what collides, not what is drawn?", Feature.RAYS | Feature.BOX, firm=True)
+def rays_meet_what_collides(adapter: Adapter, settings: Settings) -> Finding:
+    """Boxes of half a metre that are drawn smaller, larger, and not at all."""
+    shown = {"smaller": (0.2,), "larger": (0.9,), "unseen": ()}
+    scene = Scene(
+        bodies=tuple(
+            replace(
+                static(name, Box(half_extents=(0.5, 0.5, 0.5)), p=(5.0, 10.0 * k, 0.0)),
+                visual=tuple(PlacedShape(shape=Box(half_extents=(half, half, half))) for half in halves),
+            )
+            for k, (name, halves) in enumerate(shown.items())
+        )
+    )
+    o = np.array([[0.0, 10.0 * k, 0.0] for k in range(3)])
+    hits = _cast(adapter, settings, scene, o, np.tile((1.0, 0.0, 0.0), (3, 1)), 50.0)
+    return judge(
+        near("ranges to boxes drawn smaller, larger and not at all [m]", hits.distance, (4.5, 4.5, 4.5), 1e-5),
+        that(hits.body.tolist() == [0, 1, 2], f"bodies: got {hits.body.tolist()}, expected [0, 1, 2]"),
+    )
+
+
 @check("Does every ray of a large batch get its answer?", Feature.RAYS, firm=True)
 def many_rays_all_answer(adapter: Adapter, settings: Settings) -> Finding:
     """More rays than fit in a 16-bit count: a batch that is cut off drops the last ones without a word."""
@@ -195,6 +220,38 @@ def rays_see_the_present_state(adapter: Adapter, settings: Settings) -> Finding:
         near("range before any step [m]", first, 10.0 - r, 1e-3),
         near("range after 3 steps [m]", later, 10.0 - r - 3 * v * dt, 5e-3, "one step behind would be .1 m off"),
     )
+
+
+@check("Do rays meet a shape that is turned on its body where the body has turned to?", Feature.RAYS | Feature.BOX, firm=True)
+def rays_meet_turned_shapes_of_a_body_that_turns(adapter: Adapter, settings: Settings) -> Finding:
+    """A box placed and turned on a body that flies and turns, before any step and after five, against its closed form."""
+    shape, p_BS, q_BS = Box(half_extents=(0.3, 0.5, 0.8)), (0.2, -0.1, 0.3), axis_angle((1.0, 2.0, -2.0), 1.3)
+    body = replace(
+        free(q=TURNED, v=(1.0, -2.0, 0.5), w=(3.0, -4.0, 5.0)),
+        collision=(PlacedShape(shape=shape, p_BS=p_BS, q_BS=q_BS),),
+    )
+    scene = Scene(bodies=(body,), gravity=(0.0, 0.0, 0.0))
+    comparisons, (origins, directions) = [], _rays(100, 7)
+    with built(adapter, scene, settings.with_dt(0.01)) as simulation:
+        for count in (0, 5):
+            simulation.step(count)
+            state = state_of(simulation, scene)
+            R_WB = rotation(state.q_WB[0])
+            R_WS, p_WS = R_WB @ rotation(q_BS), state.p_WB[0] + R_WB @ p_BS
+            hits = simulation.cast(np.ascontiguousarray(p_WS + origins), directions, 50.0)
+            rays = zip(origins @ R_WS, directions @ R_WS, strict=True)
+            expected = np.array([first_hit(shape, o, d) for o, d in rays])
+            both = np.isfinite(expected) & np.isfinite(hits.distance)
+            odd = int((np.isfinite(expected) != np.isfinite(hits.distance)).sum())
+            worst = float(np.abs(hits.distance[both] - expected[both]).max(initial=0.0))
+            comparisons += [
+                that(
+                    odd <= 1,
+                    f"after {count} steps: got {odd} of 100 rays that hit or miss wrongly, expected 1 at most, grazing",
+                ),
+                near(f"worst range error after {count} steps [m]", worst, 0.0, 2e-3, "convex casts at grazing incidence"),
+            ]
+    return judge(*comparisons)
 
 
 @check("With two simulations open, do rays meet the bodies of their own?", Feature.RAYS, firm=True)

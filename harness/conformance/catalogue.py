@@ -11,7 +11,7 @@ SUBJECTS = (
     "motion.prescribed", "contact.forces", "contact.friction",
     "joints.constraints", "joints.coordinates", "joints.distance_springs", "joints.along_coordinates", "joints.joint_states",
     "joints.pairs",
-    "sensing.rays", "sensing.images", "sensing.inertial", "sensing.mounted",
+    "sensing.rays", "sensing.images", "sensing.inertial", "sensing.mounted", "sensing.mounted_cameras",
     "contract.effects", "contract.robustness",
 )  # fmt: skip
 """The files of checks in the order of a reader: what is declared, how a body moves, touches, is joined and is seen."""

@@ -1,7 +1,7 @@
 """The command that answers which engine: requirements, weights, the rank with its doubt, the settings, the runs behind it."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
@@ -104,7 +104,7 @@ def select(
     as_json: bool,
 ) -> None:
     """Which engine suits a purpose, and how sure that is, by the runs in DIR."""
-    from plumbline.harness.findings.selection import Wish, choose, read_preset
+    from plumbline.harness.findings.selection import Wish, choose, listing, read_preset
     from plumbline.harness.findings.selection.preset import merged
 
     store = _store(folder, published)
@@ -125,7 +125,7 @@ def select(
     if evidence:
         _print_evidence(answer, as_json)
     elif as_json:
-        print_json(_rows(answer))
+        print_json(listing.ranking(answer))
     else:
         _print(store, answer, preset)
 
@@ -156,53 +156,11 @@ def _print_evidence(answer: "Answer", as_json: bool) -> None:
 
 
 def _known(store: "Store", need: tuple[str, ...]) -> tuple[str, ...]:
-    from plumbline.harness.findings.selection import Wish
+    from plumbline.harness.findings.selection.preset import unmatched
 
-    cases = {str(case) for case in store.trials["case"]}
-    about = store.catalogue.get("cases", {})
-    families = {case: str(about.get(case, {}).get("family") or case.partition("_")[0]) for case in cases}
-    for name in need:
-        if not any(Wish(cases={name: 1.0}).weight_of_case(case, family) for case, family in families.items()):
-            known = ", ".join(sorted(set(families.values())))
-            raise click.BadParameter(f"'{name}' is no family or case of this run; families are {known}", param_hint="--need")
+    for name, known in unmatched(store, need):
+        raise click.BadParameter(f"'{name}' is no family or case of this run; families are {known}", param_hint="--need")
     return need
-
-
-def _rows(answer: "Answer") -> list[dict[str, Any]]:
-    """One an engine: its entry, or why it is left out; of one that nobody stands beside no share, but why it is alone."""
-    rows: list[dict[str, Any]] = []
-    for entry in answer.rank.places if answer.rank is not None else ():
-        rows.append(
-            {
-                "engine": entry.engine,
-                "place": entry.number,
-                "first": None if answer.alone else entry.first,
-                "speed": answer.evidence.typical("speed", entry.engine),
-                "error": answer.evidence.typical("accuracy", entry.engine),
-                "score": entry.score,
-                "low": entry.low,
-                "high": entry.high,
-                "track": answer.evidence.tracks[entry.engine],
-                **{criterion: entry.by_criterion.get(criterion) for criterion in _criteria()},
-                "alone": answer.alone or None,
-                "left_out": None,
-                "case": None,
-                "trial": None,
-            }
-        )
-    blank = dict.fromkeys(
-        rows[0] if rows else ("place", "first", "speed", "error", "score", "low", "high", "track", *_criteria(), "alone")
-    )
-    for drop in answer.dropped:
-        why = f"{drop.requirement}: {drop.value}"
-        rows.append({**blank, "engine": drop.engine, "left_out": why, "case": drop.case or None, "trial": drop.trial or None})
-    return rows
-
-
-def _criteria() -> tuple[str, ...]:
-    from plumbline.harness.findings.selection import CRITERIA
-
-    return tuple(CRITERIA)
 
 
 def _print(store: "Store", answer: "Answer", preset: str) -> None:
@@ -263,9 +221,11 @@ def _print(store: "Store", answer: "Answer", preset: str) -> None:
 
 def _print_gaps(answer: "Answer") -> None:
     """What there is no evidence of, so that nobody takes silence for a good mark."""
+    from plumbline.harness.findings.selection import CRITERIA
+
     if answer.rank is None:
         return
-    without = [name for name in _criteria() if name not in answer.rank.counted and answer.wish.weight(name) > 0]
+    without = [name for name in CRITERIA if name not in answer.rank.counted and answer.wish.weight(name) > 0]
     if without:
         say(f"Not measured in this run: {', '.join(without)}.")
     nominal = [key for key, speed in answer.evidence.speeds.items() if not speed.at_error]

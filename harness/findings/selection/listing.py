@@ -1,9 +1,10 @@
-"""The evidence that an answer leans on: each engine in each case by each criterion, with its run."""
+"""An answer as flat rows: its ranking, and the evidence that it leans on, with its runs."""
 
 from typing import Any
 
 from plumbline.harness.findings.columns import Column, Row, plain
 from plumbline.harness.findings.selection.choose import Answer
+from plumbline.harness.findings.selection.wish import CRITERIA
 from plumbline.harness.findings.steps_taken import step_in_words
 
 COLUMNS = ("criterion", "case", "engine", "value", "low", "high", "says", "track", "dt", "substeps", "trial")
@@ -19,6 +20,37 @@ def rows(answer: Answer) -> list[dict[str, Any]]:
         substeps = None if datum.dt is None else datum.substeps
         flat.append(row | {"criterion": criterion, "case": case, "engine": engine, "substeps": substeps})
     return flat
+
+
+def ranking(answer: "Answer") -> list[dict[str, Any]]:
+    """One an engine: its entry, or why it is left out; of one that nobody stands beside no share, but why it is alone."""
+    rows: list[dict[str, Any]] = []
+    for entry in answer.rank.places if answer.rank is not None else ():
+        rows.append(
+            {
+                "engine": entry.engine,
+                "place": entry.number,
+                "first": None if answer.alone else entry.first,
+                "speed": answer.evidence.typical("speed", entry.engine),
+                "error": answer.evidence.typical("accuracy", entry.engine),
+                "score": entry.score,
+                "low": entry.low,
+                "high": entry.high,
+                "track": answer.evidence.tracks[entry.engine],
+                **{criterion: entry.by_criterion.get(criterion) for criterion in CRITERIA},
+                "alone": answer.alone or None,
+                "left_out": None,
+                "case": None,
+                "trial": None,
+            }
+        )
+    blank = dict.fromkeys(
+        rows[0] if rows else ("place", "first", "speed", "error", "score", "low", "high", "track", *CRITERIA, "alone")
+    )
+    for drop in answer.dropped:
+        why = f"{drop.requirement}: {drop.value}"
+        rows.append({**blank, "engine": drop.engine, "left_out": why, "case": drop.case or None, "trial": drop.trial or None})
+    return rows
 
 
 def _step(row: Row) -> str:

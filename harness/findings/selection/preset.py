@@ -1,14 +1,18 @@
 """Presets: wishes for a purpose, in a TOML file that says which cases count and why; users write their own."""
 
 import tomllib
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from plumbline.harness.findings.selection.wish import CRITERIA, Wish
 from plumbline.harness.intake.error import PlumblineError
+
+if TYPE_CHECKING:
+    from plumbline.harness.store.store import Store
 
 _FOLDER = Path(__file__).parent / "presets"
 
@@ -75,3 +79,14 @@ def read_preset(name: str) -> Preset:
 def merged(base: Wish, **given: Any) -> Wish:
     """A preset's wish with what was given beside it in its place."""
     return replace(base, **{name: value for name, value in given.items() if value not in (None, (), {}, "")})
+
+
+def unmatched(store: "Store", need: Sequence[str]) -> Iterator[tuple[str, str]]:
+    """What is needed but names no family and no case of the run; each with the families that the run has, in words."""
+    about = store.catalogue.get("cases", {})
+    families = {
+        case: str(about.get(case, {}).get("family") or case.partition("_")[0]) for case in set(map(str, store.trials["case"]))
+    }
+    for name in need:
+        if not any(Wish(cases={name: 1.0}).weight_of_case(case, family) for case, family in families.items()):
+            yield name, ", ".join(sorted(set(families.values())))

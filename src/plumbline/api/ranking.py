@@ -11,12 +11,12 @@ from plumbline.api.arguments import checked, within
 from plumbline.api.frames import described
 from plumbline.api.results import Results, open_results
 from plumbline.harness.findings.selection import CRITERIA, PresetError, Wish, choose, read_preset
-from plumbline.harness.findings.selection.preset import merged
+from plumbline.harness.findings.selection.listing import ranking
+from plumbline.harness.findings.selection.preset import merged, unmatched
 from plumbline.harness.intake.safe_text import quoted
 
 if TYPE_CHECKING:
     from plumbline.harness.findings.selection import Answer
-    from plumbline.harness.store.store import Store
 
 
 @dataclass(frozen=True, repr=False)
@@ -32,20 +32,8 @@ class Ranking:
 
     def frame(self) -> pd.DataFrame:
         """A row an engine, the first one first; those that are left out have no place."""
-        places = self.answer.rank.places if self.answer.rank is not None else ()
-        rows = [
-            {
-                "engine": each.engine,
-                "place": each.number,
-                "first": None if self.answer.alone else each.first,
-                "score": each.score,
-            }
-            | {"low": each.low, "high": each.high, "track": self.answer.evidence.tracks[each.engine], "left_out": None}
-            for each in places
-        ]
-        rows += [{"engine": drop.engine, "left_out": f"{drop.requirement}: {drop.value}"} for drop in self.answer.dropped]
         names = ["engine", "place", "first", "score", "low", "high", "track", "left_out"]
-        return described("ranking", pd.DataFrame(rows, columns=names))
+        return described("ranking", pd.DataFrame(ranking(self.answer), columns=names))
 
 
 @checked
@@ -82,11 +70,13 @@ def select(
     for name, weight in (weights or {}).items():
         if name not in CRITERIA or not 0 <= weight <= 1000:
             raise PresetError(f"weights: {quoted(name)}: {weight}, expected 0..1000 for some of {', '.join(CRITERIA)}")
+    for name, there in unmatched(store, need):
+        raise PresetError(f"need: {quoted(name)} is no family or case of this run, expected some of {there}")
     within("error", error, 1e-12, 1.0)
     within("realtime", realtime, 1e-12, 1e12)
     wish = merged(
         base,
-        cases=_counted(store, need),
+        cases=dict.fromkeys(need, 1.0),
         features=tuple(features),
         max_error=error,
         strict=strict,
@@ -101,15 +91,3 @@ def select(
     answer = choose(store, wish)
     titles = store.titles
     return Ranking(headline(answer, lambda name: titles.get(name, name)), answer)
-
-
-def _counted(store: "Store", need: Sequence[str]) -> dict[str, float]:
-    """The patterns of what is needed, each of which names a case of the run. Raises: PresetError."""
-    about = store.catalogue.get("cases", {})
-    cases = {str(case) for case in store.trials["case"]}
-    families = {case: str(about.get(case, {}).get("family") or case.partition("_")[0]) for case in cases}
-    for name in need:
-        if not any(Wish(cases={name: 1.0}).weight_of_case(case, family) for case, family in families.items()):
-            there = ", ".join(sorted(set(families.values())))
-            raise PresetError(f"need: {quoted(name)} is no family or case of this run, expected some of {there}")
-    return dict.fromkeys(need, 1.0)

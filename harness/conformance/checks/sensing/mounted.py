@@ -99,6 +99,8 @@ def _halfway(a: Floats, b: Floats) -> Floats:
     axis = np.array([step[2, 1] - step[1, 2], step[0, 2] - step[2, 0], step[1, 0] - step[0, 1]])
     sine = float(np.linalg.norm(axis)) / 2
     angle = float(np.arctan2(sine, (np.trace(step) - 1) / 2))
+    if sine == 0.0:
+        return a
     return a @ rotation(axis_angle(three(axis / (2 * sine)), angle / 2))
 
 

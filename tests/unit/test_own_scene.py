@@ -18,7 +18,8 @@ from plumbline.harness.findings import tables
 from plumbline.harness.findings.agreement import agreements, balances, errors_of, outlooks
 from plumbline.harness.findings.agreement.costs import best_setting
 from plumbline.harness.findings.agreement.happened import happenings
-from plumbline.harness.findings.agreement.setting_causes import settings_turned
+from plumbline.harness.findings.agreement.setting_causes import Turned, settings_turned
+from plumbline.harness.findings.agreement.values import Word
 from plumbline.harness.findings.prices import Prices
 from plumbline.harness.findings.selection import Wish, choose
 from plumbline.harness.findings.selection.evidence import DECADES_OF_SPEED
@@ -316,6 +317,19 @@ def test_the_cause_of_a_cube_that_creeps_on_a_floor_it_grips_is_the_pyramid(grip
     assert "'cone' turned to elliptic alone closes" in said
     # What it adds beside is a list, and no cause.
     assert "Computed although the scene does not call for it: gyroscopic on MuJoCo default and MuJoCo tuned." in said
+
+
+def test_a_side_that_agrees_with_the_limit_in_the_end_needs_no_cause(gripping: Done) -> None:
+    """It was asked about at a coarse step, at which it lay apart: no sentence says that it ends away from where it ends."""
+    (agreement,) = agreements(gripping.store)
+    (default,) = [side for side in agreement.sides if side.track == "default"]
+
+    def turned(word: Word) -> list[Turned]:
+        sides = (replace(default, word=word),)
+        return settings_turned(gripping.store, replace(agreement, sides=sides, limit=default.limit.value))
+
+    assert {each.towards for each in turned("converges elsewhere")} == {"limit"}
+    assert turned("agrees") == []
 
 
 def test_settings_that_were_turned_are_no_sides_of_their_own(gripping: Done) -> None:

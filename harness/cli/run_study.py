@@ -170,7 +170,7 @@ def run(
         _propose(store, next(iter(chosen.values())))
         say("writing the report", err=True)
     report = present(store, plan.recordings)
-    say(str(report.index))
+    say(str(report.page_of(next(iter(chosen))) if own else report.index))
     fail_for(report.sentences())
     if failed:
         sys.exit(GATE)

@@ -19,7 +19,7 @@ from plumbline.harness.findings.agreement import agreements, balances, errors_of
 from plumbline.harness.findings.agreement.costs import best_setting
 from plumbline.harness.findings.agreement.happened import happenings
 from plumbline.harness.findings.agreement.setting_causes import Turned, settings_turned
-from plumbline.harness.findings.agreement.values import Word
+from plumbline.harness.findings.agreement.values import Side, Word
 from plumbline.harness.findings.prices import Prices
 from plumbline.harness.findings.selection import Wish, choose
 from plumbline.harness.findings.selection.evidence import DECADES_OF_SPEED
@@ -205,6 +205,21 @@ def test_the_first_screen_answers_five_questions_in_order_before_anything_else(t
     best = best_setting(thrown.store, agreement)
     assert f", {cheapest.track} at dt 1/{1 / cheapest.dt:.4g} s: {1 / cheapest.cost:.3g} times real time" in best
     assert best in [sentence.removeprefix("Set: ") for sentence in closing_words(thrown.store)]
+
+
+def test_what_to_set_is_a_track_that_agrees(thrown: Done) -> None:
+    """A track that ends elsewhere, or nowhere, is no advice, however cheap it comes near the limit at one step."""
+    (agreement,) = agreements(thrown.store)
+    asked = (price for price in Prices(thrown.store).prices if price.target == 1e-2)
+    paces = {price.engine: f"{1 / price.cost:.3g} times real time" for price in sorted(asked, key=lambda price: price.cost)}
+    cheapest, dearest = paces
+    assert paces[cheapest] in best_setting(thrown.store, agreement)
+
+    def lost(side: Side) -> Side:
+        return replace(side, word="does not converge") if side.engine == cheapest else side
+
+    left = replace(agreement, sides=tuple(map(lost, agreement.sides)))
+    assert paces[dearest] in best_setting(thrown.store, left)
 
 
 def test_every_link_of_a_report_of_ones_own_scene_leads_somewhere(thrown: Done, fallen: Done) -> None:

@@ -111,5 +111,6 @@ def cause_words(turned: Sequence[Turned], agreement: Agreement, titles: Mapping[
         else:
             tried = listed(list(dict.fromkeys(each.setting for each in mine)))
             most = f"; '{best.setting}' closes most, {100 * best.closes:.0f} %" if best.closes and best.closes > 0 else ""
-            lines.append(f"{who}: no single setting closes {100 * CLOSES:.0f} % of that, of {len(mine)} turns tried ({tried}){most}.")
+            none = f"no single setting closes {100 * CLOSES:.0f} % of that, of {len(mine)} turns tried"
+            lines.append(f"{who}: {none} ({tried}){most}.")
     return lines

@@ -20,7 +20,17 @@ from plumbline.harness.trajectory.trajectory import Floats, Integers, Trajectory
 Booleans: TypeAlias = NDArray[np.bool_]
 
 Kind: TypeAlias = Literal[
-    "passed through", "bounced", "left the ground", "fell off", "tipped", "rolled", "slid", "moved", "hit the stop", "at rest"
+    "passed through",
+    "bounced",
+    "left the ground",
+    "fell off",
+    "tipped",
+    "rolled",
+    "slid",
+    "moved",
+    "hit the stop",
+    "struck",
+    "at rest",
 ]
 MOVED = 0.01
 """Of the size: less is no motion that an eye sees, as everywhere where engines are compared."""
@@ -134,6 +144,8 @@ def _of_whole(scene: Scene, run: Trajectory, touched: Touched | None, members: S
         if touching is not None and touching[time <= AT_START].any() and samples is not None and others is not None:
             yield from _leaves(scene, name, size, time, height, samples, others)
         yield from _lies_otherwise(scene, run, base, up, size, len(members) == 1, touching)
+    if held and touched is not None:
+        yield from _strikes(scene, name, time, *touched.partners(members))
     far = np.zeros(len(time))
     for index in members:
         moved = np.linalg.norm(run.p_WB[:, index] - run.p_WB[-1, index], axis=1) / (MOVED * size_of(scene, index))
@@ -143,6 +155,14 @@ def _of_whole(scene: Scene, run: Trajectory, touched: Touched | None, members: S
     since = float(time[beyond[-1] + 1]) if len(beyond) else 0.0
     if since <= (1 - AT_END) * time[-1]:
         yield Event(body=name, kind="at rest", time=since)
+
+
+def _strikes(scene: Scene, name: str, time: Floats, samples: Integers, others: Integers) -> Iterator[Event]:
+    """What is fixed and touches a machine that hangs on the world, where it did not at first."""
+    for index in np.unique(others).tolist():
+        first = float(time[samples[others == index].min()])
+        if first > AT_START and not scene.bodies[index].movable:
+            yield Event(body=name, kind="struck", time=first, other=scene.bodies[index].name)
 
 
 def _through(scene: Scene, run: Trajectory, base: int) -> Iterator[Event]:
@@ -189,7 +209,7 @@ def _bounces(time: Floats, rise: Floats, gravity: float, height: Floats, size: f
 def _leaves(
     scene: Scene, name: str, size: float, time: Floats, height: Floats, samples: Integers, others: Integers
 ) -> Iterator[Event]:
-    """It was on something at first: it rises from it, or it ends below it and away."""
+    """It was on something at first: it rises from it, or it ends below where it last touched it."""
     under = others[time[samples] <= AT_START]
     ground = [index for index in np.unique(under).tolist() if not scene.bodies[index].movable]
     if ground:
@@ -199,12 +219,11 @@ def _leaves(
             yield Event(body=name, kind="left the ground", time=float(time[gone[0]]), value=float(height.max()))
     planes = {index for index, body in enumerate(scene.bodies) for each in body.collision if each.shape.type == "plane"}
     below = [index for index in np.unique(under).tolist() if index not in planes]
-    if below and height[-1] < -size / 2:
-        last = samples[np.isin(others, below)]
-        index = below[0]
-        yield Event(
-            body=name, kind="fell off", time=float(time[last.max()]), value=float(-height[-1]), other=scene.bodies[index].name
-        )
+    if below:
+        parted = int(samples[np.isin(others, below)].max())
+        fallen = float(height[parted] - height[-1])
+        if fallen > size / 2:
+            yield Event(body=name, kind="fell off", time=float(time[parted]), value=fallen, other=scene.bodies[below[0]].name)
 
 
 def _lies_otherwise(

@@ -36,7 +36,7 @@ from plumbline.harness.study.study import Study
 from plumbline.reports import build, write_recordings
 from plumbline.reports.html import report as html
 from plumbline.reports.page import pages
-from plumbline.reports.pages.scene import PAGE
+from plumbline.reports.pages.scene import PAGE, answers_of
 from tests.in_process import clocked_by, in_this_process
 from tests.known_prices import LAWS, PLUGINS
 from tests.links import dangling
@@ -345,6 +345,17 @@ def test_a_side_that_agrees_with_the_limit_in_the_end_needs_no_cause(gripping: D
 
     assert {each.towards for each in turned("converges elsewhere")} == {"limit"}
     assert turned("agrees") == []
+
+
+def test_each_verdict_on_the_first_screen_is_followed_by_its_cause(gripping: Done) -> None:
+    """Two sides that are off, one of them with a cause: it stands behind that one's verdict and in front of the other's."""
+    (agreement,) = agreements(gripping.store)
+    off = tuple(replace(side, word="does not converge", why="planted") for side in agreement.sides)
+    answers = {answer.title: answer for answer in answers_of(gripping.store, replace(agreement, sides=off), parted=False)}
+    default, tuned = answers["Who is off, and why?"].sentences
+    assert default.startswith("MuJoCo, default: does not converge")
+    assert default.endswith("% of that.")
+    assert tuned.startswith("MuJoCo, tuned: does not converge")
 
 
 def test_settings_that_were_turned_are_no_sides_of_their_own(gripping: Done) -> None:

@@ -5,6 +5,7 @@ where `default` was asked about, from the agreed limit where `tuned` was. A side
 steps than it was asked about, needs no cause. An effect that is merely there is no cause.
 """
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -110,7 +111,8 @@ def cause_words(turned: Sequence[Turned], agreement: Agreement, titles: Mapping[
             lines.append(f"{who}: '{best.setting}' turned to {best.value} alone closes {100 * best.closes:.0f} % of that.")
         else:
             tried = listed(list(dict.fromkeys(each.setting for each in mine)))
-            most = f"; '{best.setting}' closes most, {100 * best.closes:.0f} %" if best.closes and best.closes > 0 else ""
+            share = best.closes or 0.0
+            most = f"; '{best.setting}' closes most, {math.floor(100 * share)} %" if share > 0 else ""
             none = f"no single setting closes {100 * CLOSES:.0f} % of that, of {len(mine)} turns tried"
             lines.append(f"{who}: {none} ({tried}){most}.")
     return lines

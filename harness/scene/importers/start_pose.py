@@ -35,8 +35,8 @@ def started_at(scene: Scene, positions: Mapping[str, float], source: str) -> Sce
         for joint in following:
             along = IDENTITY
             if isinstance(joint, Revolute | Prismatic):
-                way = coordinate(joint.name) - joint.position
-                turned, slid = (way, 0.0) if isinstance(joint, Revolute) else (0.0, way)
+                travel = coordinate(joint.name) - joint.position
+                turned, slid = (travel, 0.0) if isinstance(joint, Revolute) else (0.0, travel)
                 along = screw(np.array(joint.axis_W), np.array(joint.anchor_W), turned, slid)
             there = moved[joint.parent] @ along
             if not _same(moved.setdefault(joint.child, there), there):
@@ -74,8 +74,8 @@ def started_at(scene: Scene, positions: Mapping[str, float], source: str) -> Sce
     return replace(scene, bodies=tuple(map(placed, scene.bodies)), joints=tuple(map(hung, scene.joints)))
 
 
-def _same(one: Pose, other: Pose) -> bool:
-    return bool(np.allclose(one.R, other.R, rtol=0.0, atol=_SAME) and np.allclose(one.p, other.p, rtol=0.0, atol=_SAME))
+def _same(first: Pose, second: Pose) -> bool:
+    return bool(np.allclose(first.R, second.R, rtol=0.0, atol=_SAME) and np.allclose(first.p, second.p, rtol=0.0, atol=_SAME))
 
 
 def _torn(joint: Joint, source: str) -> RobotError:

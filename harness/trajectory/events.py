@@ -29,7 +29,6 @@ Kind: TypeAlias = Literal[
     "slid",
     "moved",
     "hit the stop",
-    "struck",
     "at rest",
 ]
 MOVED = 0.01
@@ -144,8 +143,6 @@ def _of_whole(scene: Scene, run: Trajectory, touched: Touched | None, members: S
         if touching is not None and touching[time <= AT_START].any() and samples is not None and others is not None:
             yield from _leaves(scene, name, size, time, height, samples, others)
         yield from _lies_otherwise(scene, run, base, up, size, len(members) == 1, touching)
-    if held and touched is not None:
-        yield from _strikes(scene, name, time, *touched.partners(members))
     far = np.zeros(len(time))
     for index in members:
         moved = np.linalg.norm(run.p_WB[:, index] - run.p_WB[-1, index], axis=1) / (MOVED * size_of(scene, index))
@@ -155,14 +152,6 @@ def _of_whole(scene: Scene, run: Trajectory, touched: Touched | None, members: S
     since = float(time[beyond[-1] + 1]) if len(beyond) else 0.0
     if since <= (1 - AT_END) * time[-1]:
         yield Event(body=name, kind="at rest", time=since)
-
-
-def _strikes(scene: Scene, name: str, time: Floats, samples: Integers, others: Integers) -> Iterator[Event]:
-    """What is fixed and touches a machine that hangs on the world, where it did not at first."""
-    for index in np.unique(others).tolist():
-        first = float(time[samples[others == index].min()])
-        if first > AT_START and not scene.bodies[index].movable:
-            yield Event(body=name, kind="struck", time=first, other=scene.bodies[index].name)
 
 
 def _through(scene: Scene, run: Trajectory, base: int) -> Iterator[Event]:

@@ -1,7 +1,6 @@
 """What happened in a run: motions made by hand, each with one thing that happens in it, and none that does not."""
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -136,16 +135,6 @@ def test_what_rises_from_the_ground_leaves_it_and_what_sinks_from_a_table_falls_
     # What slides down a ramp to the end, far below its start, has fallen off nothing.
     down = moved(scene, path(0.15 + 0.5 * TIME, 1.05 - 0.3 * TIME))
     assert "fell off" not in named(happened(scene, down, touched(TIME[-1] >= TIME)))
-
-
-def test_what_hangs_strikes_a_wall_that_it_did_not_touch_at_first() -> None:
-    """A door that reaches a wall at 1 s; one that leans on it from the start strikes nothing."""
-    hinge = Revolute(name="hinge", parent="world", child="cube", anchor_W=(0, 0, 1), axis_W=(0, 1, 0))
-    scene = replace(CUBE, joints=(hinge,))
-    swing = moved(scene, path(0.3 * TIME))
-    (struck,) = [event for event in happened(scene, swing, touched(TIME >= 1.0)) if event.kind == "struck"]
-    assert (struck.body, struck.other, struck.time) == ("cube", CUBE.bodies[0].name, pytest.approx(1.0, abs=2 / 60))
-    assert "struck" not in named(happened(scene, swing, touched(TIME >= 0.0)))
 
 
 def test_a_joint_hits_its_stop_where_it_had_been_away_from_it() -> None:

@@ -82,7 +82,6 @@ _WORDS: Mapping[Kind, str] = {
     "slid": "slides by {value}",
     "moved": "moves by {value}",
     "hit the stop": "hits the stop of '{other}' at {time}",
-    "struck": "strikes '{other}' at {time}",
     "at rest": "is at rest from {time} on",
 }
 
@@ -165,7 +164,6 @@ _LACKING: Mapping[Kind, str] = {
     "slid": "does not slide",
     "moved": "does not move away",
     "hit the stop": "does not hit the stop of '{other}'",
-    "struck": "does not strike '{other}'",
     "at rest": "is not at rest at the end",
 }
 

@@ -14,6 +14,9 @@ if TYPE_CHECKING:
     from plumbline.harness.scene.importers.commands import Log
     from plumbline.harness.scene.importers.imported import Imported
 
+SAME_START = 1e-6
+"""Radians or metres: a log that begins so near the file's start has it."""
+
 
 def scene_to_run(name: str, folder: Path, options: dict[str, Any]) -> str:
     """The path of the scene file that is run: a file of our own as it is, another format's import in the run folder.
@@ -25,16 +28,19 @@ def scene_to_run(name: str, folder: Path, options: dict[str, Any]) -> str:
     if not is_robot(path) and not asked:
         return name
 
+    from plumbline.harness.scene.importers.commands import read_log
     from plumbline.harness.store.imported_scenes import keep
 
     imported = imported_from(path, options, looks=True)
     of_run = {key: options[key] for key in ("dt", "duration") if options.get(key) is not None}
     imported = replace(imported, **of_run)
+    log = options.get("states")
+    states = None if log is None else read_log(log)
+    if states is not None:
+        imported = _from_its_pose(imported, states)
     if options.get("commands") or options.get("interpolate") or options.get("gains"):
         imported = _replayed(imported, options)
     refuse_too_long(imported)
-    log = options.get("states")
-    states = None if log is None else _recorded(imported, log)
     counts = {word: sum(row.outcome == word for row in imported.fidelity) for word in ("exact", "approximated", "left_out")}
     summary = ", ".join(f"{count} kinds of elements {word.replace('_', ' ')}" for word, count in counts.items())
     say(f"{imported.source}: {summary}; show --table fidelity lists them", err=True)
@@ -76,11 +82,20 @@ def _replayed(imported: "Imported", options: "dict[str, Any]") -> "Imported":
     return replace(imported, scene=scene, undropped=undropped, duration=duration)
 
 
-def _recorded(imported: "Imported", path: Path) -> "Log":
-    """A log of measured positions, checked against the import. Raises: RobotError."""
-    from plumbline.harness.scene.importers.commands import read_log
+def _from_its_pose(imported: "Imported", log: "Log") -> "Imported":
+    """The import with its joints where a recorded robot has them first, which is said. Raises: RobotError."""
+    from plumbline.harness.scene import Prismatic, Revolute
     from plumbline.harness.scene.importers.replay import recorded
+    from plumbline.harness.scene.importers.start_pose import started_at
 
-    log = read_log(path)
-    recorded(imported.scene, log)
-    return log
+    firsts = {name: values[0] for name, values in recorded(imported.scene, log).items()}
+    stood = {joint.name: joint.position for joint in imported.scene.joints if isinstance(joint, Prismatic | Revolute)}
+    elsewhere = {name: first for name, first in firsts.items() if abs(first - stood[name]) > SAME_START}
+    if not elsewhere:
+        return imported
+    words = ", ".join(f"{name} at {first:.4g} in place of {stood[name]:.4g}" for name, first in elsewhere.items())
+    say(f"{log.source}: joints start where the recorded robot does: {words}", err=True)
+    undropped = None if imported.undropped is None else started_at(imported.undropped, elsewhere, log.source)
+    scene = started_at(imported.scene, elsewhere, log.source)
+    coordinates = {name: elsewhere.get(name, value) for name, value in imported.coordinates.items()}
+    return replace(imported, scene=scene, undropped=undropped, coordinates=coordinates)

@@ -161,17 +161,16 @@ def run(
         stop(USAGE, _of_file(study, error))
     except KeyboardInterrupt:
         stop(INTERRUPTED, f"interrupted; what finished is in {folder}; go on with the same command and --resume")
-    report = present(store, plan.recordings)
     say(closing_count(store), err=True)
-    say(str(report.index))
     # On a robot of the user's own nobody is gated: an engine that fails it, ours too, is a finding.
     failed = [] if own else failures(store)
-    for sentence in failed:
-        say(sentence, err=True)
-    for sentence in closing_words(store) if own else []:
+    for sentence in [*failed, *(closing_words(store) if own else [])]:
         say(sentence, err=True)
     if own:
         _propose(store, next(iter(chosen.values())))
+        say("writing the report", err=True)
+    report = present(store, plan.recordings)
+    say(str(report.page_of(next(iter(chosen))) if own else report.index))
     fail_for(report.sentences())
     if failed:
         sys.exit(GATE)

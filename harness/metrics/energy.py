@@ -59,9 +59,9 @@ def _check(scene: Scene, actual: Trajectory) -> None:
 
 
 def _check_led(scene: Scene) -> None:
-    """Raises: NotMeasurable, where a body is led by a law of time, which does work on the others."""
+    """Raises: NotMeasurable, where a body is led, by a law of time or at a constant velocity, which does work on the others."""
     for body in scene.bodies:
-        if body.prescribed is not None:
+        if body.prescribed is not None or (body.motion == "kinematic" and np.any(body.velocity_at_start)):
             raise NotMeasurable(f"body '{body.name}' is led: mechanical energy is not conserved")
 
 

@@ -1,8 +1,9 @@
 """A run that ends when a person has waited long enough: its ladder first, with a first look, then what refines it.
 
-`budget` is time on the clock on the wall, all of the run. Until two fifths of it are gone the ladder of time steps goes on,
-then what tells causes and what can be foreseen begins, if half is left. Then the ladder is clocked, coarse steps first, until
-four fifths are; the audit of effects has the rest. Whether a process hangs is still told by its own CPU time.
+`budget` is time on the clock on the wall, all of the run. What tables and pages take is kept for them. Of the rest, the ladder
+of time steps goes on until two fifths are gone, then what tells causes and what can be foreseen begins, if half is left. Then
+the ladder is clocked, coarse steps first, until four fifths are; the audit of effects has what is left. Whether a process
+hangs is still told by its own CPU time.
 """
 
 import math
@@ -18,23 +19,27 @@ from plumbline.harness.store.record import Record
 from plumbline.harness.study.trial import Trial
 
 REFINING, SEARCHING, CLOCKING = 0.4, 0.5, 0.8
-"""Shares of the budget until which ladders are refined, what follows them begins, and they are clocked."""
+"""Shares of the time of measuring until which ladders are refined, what follows them begins, and they are clocked."""
+PRESENTING, MOST_PRESENTING = 12.0, 0.25
+"""Seconds that the start, tables and pages take on a quiet core, and the largest share of a budget that is kept for them."""
 
 
 class Waiting(Guide):
-    """Terms: look: is told once of the first steps of all ladders, as soon as they are answered. over: did the time run out?"""
+    """Terms: measuring [s]: of the budget, before tables and pages are made. look: is told once of the first steps of all
+    ladders, as soon as they are answered. over: did the time run out?"""
 
     sitting = 5.0
 
     def __init__(self, budget: float, cases: Mapping[str, Case], look: Callable[[Sequence[Record]], object]) -> None:
-        self.begun, self.budget, self.over = time.monotonic(), budget, False
+        self.begun, self.over = time.monotonic(), False
+        self.measuring = budget - min(PRESENTING, MOST_PRESENTING * budget)
         self._cases, self._look = cases, look
         self._ladder: set[str] = set()
         self._first: dict[str, Record | None] = {}
 
     def end(self) -> float:
-        """When the budget is over; never before the first look, without which there is no answer at all."""
-        return math.inf if self._first else self.begun + self.budget
+        """When measuring is over; never before the first look, without which there is no answer at all."""
+        return math.inf if self._first else self.begun + self.measuring
 
     def batches(self, trials: Sequence[Trial]) -> Iterator[list[Trial]]:
         """The ladders, which are looked at first, and then the rest, where there is time."""
@@ -61,13 +66,13 @@ class Waiting(Guide):
         """Ladders are refined for a part of the time; what follows them may begin a little later."""
         del records
         share = REFINING if trial.alteration == AS_IT_IS else SEARCHING
-        return time.monotonic() < self.begun + share * self.budget
+        return time.monotonic() < self.begun + share * self.measuring
 
     def clocks(self, trials: Sequence[Trial], records: Mapping[str, Record]) -> Collection[str]:
         """Those that fit into their share of the time, coarse steps first."""
-        left = self.begun + CLOCKING * self.budget - time.monotonic()
+        left = self.begun + CLOCKING * self.measuring - time.monotonic()
         if trials and trials[0].experiment.refine is None:
-            left = self.begun + self.budget - time.monotonic()
+            left = self.begun + self.measuring - time.monotonic()
         chosen = []
         for trial in sorted(trials, key=lambda trial: -trial.settings.dt):
             left -= clock_time(trial, records[trial.trial], self._cases[trial.case])

@@ -20,7 +20,16 @@ from plumbline.harness.trajectory.trajectory import Floats, Integers, Trajectory
 Booleans: TypeAlias = NDArray[np.bool_]
 
 Kind: TypeAlias = Literal[
-    "passed through", "bounced", "left the ground", "fell off", "tipped", "rolled", "slid", "moved", "hit the stop", "at rest"
+    "passed through",
+    "bounced",
+    "left the ground",
+    "fell off",
+    "tipped",
+    "rolled",
+    "slid",
+    "moved",
+    "hit the stop",
+    "at rest",
 ]
 MOVED = 0.01
 """Of the size: less is no motion that an eye sees, as everywhere where engines are compared."""
@@ -189,7 +198,7 @@ def _bounces(time: Floats, rise: Floats, gravity: float, height: Floats, size: f
 def _leaves(
     scene: Scene, name: str, size: float, time: Floats, height: Floats, samples: Integers, others: Integers
 ) -> Iterator[Event]:
-    """It was on something at first: it rises from it, or it ends below it and away."""
+    """It was on something at first: it rises from it, or it ends below where it last touched it."""
     under = others[time[samples] <= AT_START]
     ground = [index for index in np.unique(under).tolist() if not scene.bodies[index].movable]
     if ground:
@@ -199,12 +208,11 @@ def _leaves(
             yield Event(body=name, kind="left the ground", time=float(time[gone[0]]), value=float(height.max()))
     planes = {index for index, body in enumerate(scene.bodies) for each in body.collision if each.shape.type == "plane"}
     below = [index for index in np.unique(under).tolist() if index not in planes]
-    if below and height[-1] < -size / 2:
-        last = samples[np.isin(others, below)]
-        index = below[0]
-        yield Event(
-            body=name, kind="fell off", time=float(time[last.max()]), value=float(-height[-1]), other=scene.bodies[index].name
-        )
+    if below:
+        parted = int(samples[np.isin(others, below)].max())
+        fallen = float(height[parted] - height[-1])
+        if fallen > size / 2:
+            yield Event(body=name, kind="fell off", time=float(time[parted]), value=fallen, other=scene.bodies[below[0]].name)
 
 
 def _lies_otherwise(

@@ -11,6 +11,7 @@ from markupsafe import escape
 from plumbline.harness.intake.safe_text import LONGEST, one_line
 from plumbline.reports.html.drawing import NotDrawn
 from plumbline.reports.html.vega import vega_bundle
+from plumbline.reports.words.catalogue import case_file
 
 SCRIPT = "style/vega.js"
 """What lets somebody hover over a chart; without it its static picture stands."""
@@ -40,6 +41,11 @@ class WrittenReport:
 
     index: Path
     failed: tuple[NotMade, ...]
+
+    def page_of(self, case: str) -> Path:
+        """The page of a case; the first one where that could not be made."""
+        page = self.index.with_name(case_file(case))
+        return page if page.is_file() else self.index
 
     def sentences(self) -> list[str]:
         """A line for each page and picture that could not be made."""

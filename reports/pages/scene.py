@@ -135,14 +135,20 @@ def answers_of(store: Store, agreement: Agreement, *, parted: bool) -> list[Answ
             cannot.setdefault(side.engine, f"{names[side.engine]}: {side.word} ({side.why}).")
     ended = [f"Runs on {listed([names[engine] for engine in runs])}." if runs else "No engine runs it.", *cannot.values()]
     off = [side for side in agreement.sides if side.word in ("converges elsewhere", "does not converge") and not side.ours]
-    who = [f"{names[side.engine]}, {side.track}: {side_words(side, agreement)}." for side in off]
-    causes = cause_words(settings_turned(store, agreement), agreement, names)
+    turned = settings_turned(store, agreement)
+    who = []  # each verdict with its cause behind it
+    for side in off:
+        mine = [each for each in turned if (each.engine, each.track) == (side.engine, side.track)]
+        verdict = f"{names[side.engine]}, {side.track}: {side_words(side, agreement)}."
+        who.append(" ".join([verdict, *cause_words(mine, agreement, names)]))
+    others = [each for each in turned if (each.engine, each.track) not in {(side.engine, side.track) for side in off}]
+    who += cause_words(others, agreement, names)
     costs = cost_words(store)
     best = best_setting(store, agreement)
     return [
         Answer("Does it run?", tuple(ended), "happened"),
         Answer("Do they agree?", (headline(agreement, names),), "agreement"),
-        Answer("Who is off, and why?", (*who, *causes) or ("Nobody.",), "parting" if parted else "agreement"),
+        Answer("Who is off, and why?", tuple(who) or ("Nobody.",), "parting" if parted else "agreement"),
         Answer("What does accuracy cost?", tuple(costs) or ("Nothing was clocked at a limit that is agreed.",), "charts"),
         Answer("What to set?", (best or "No setting is known to err by 1 % or less.",), "charts"),
     ]

@@ -236,4 +236,6 @@ def test_a_scene_of_the_users_own_is_carried_by_an_engine_and_shown(tmp_path: Pa
         steps = {row["dt"] for row in rows if row["experiment"] == "ladder" and row["track"] == track}
         assert {1 / 240, 1 / 480, 1 / 960} <= steps, track  # and as many more as there is time for
     assert "Audit:" in done.stderr  # does it call for what it needs?
-    assert (tmp_path / "out" / "report" / "index.html").is_file()
+    page = Path(done.stdout.strip().splitlines()[-1])  # the page of the scene, whose first screen has the answers
+    assert page.parent == tmp_path / "out" / "report"
+    assert "Who is off, and why?" in page.read_text()

@@ -9,7 +9,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from plumbline.harness.findings.agreement import Agreement, Side, judged, ways
-from plumbline.harness.findings.agreement.words import STILL, present_words, scene_words, side_sentence
+from plumbline.harness.findings.agreement.words import JOINTED, STILL, present_words, scene_words, side_sentence
 from plumbline.harness.search.own_limits import Rung, own_limit
 from plumbline.harness.trajectory import Trajectory
 from plumbline.harness.trajectory.parting import apart, extent
@@ -237,9 +237,12 @@ def test_too_few_steps_are_said_so() -> None:
 def test_what_hangs_still_is_said_to_and_what_swings_is_not() -> None:
     hanging, swinging = agreement(pendulum(start=0.0), 0.5), agreement(pendulum(), 0.5)
     assert hanging.still
-    assert STILL in scene_words(hanging, {})
+    assert f"{STILL}{JOINTED}." in scene_words(hanging, {})
+    assert hanging.scene is not None
+    loose = replace(hanging, scene=replace(hanging.scene, joints=()))  # no scenario moves what has no joint
+    assert f"{STILL}." in scene_words(loose, {})
     assert not swinging.still
-    assert STILL not in scene_words(swinging, {})
+    assert not any(STILL in line for line in scene_words(swinging, {}))
 
 
 def flown(power: float, size: float, elsewhere: float = 0.0) -> tuple[Rung, ...]:

@@ -132,6 +132,9 @@ def test_what_rises_from_the_ground_leaves_it_and_what_sinks_from_a_table_falls_
     events = happened(scene, moved(scene, path(0.15 + 0.1 * TIME, fall)), touched(TIME <= 1.0))
     (off,) = [event for event in events if event.kind == "fell off"]
     assert (off.other, off.time, off.value) == ("table", pytest.approx(1.0), pytest.approx(1.0))
+    # What slides down a ramp to the end, far below its start, has fallen off nothing.
+    down = moved(scene, path(0.15 + 0.5 * TIME, 1.05 - 0.3 * TIME))
+    assert "fell off" not in named(happened(scene, down, touched(TIME[-1] >= TIME)))
 
 
 def test_a_joint_hits_its_stop_where_it_had_been_away_from_it() -> None:

@@ -18,7 +18,8 @@ from plumbline.harness.findings import tables
 from plumbline.harness.findings.agreement import agreements, balances, errors_of, outlooks
 from plumbline.harness.findings.agreement.costs import best_setting
 from plumbline.harness.findings.agreement.happened import happenings
-from plumbline.harness.findings.agreement.setting_causes import settings_turned
+from plumbline.harness.findings.agreement.setting_causes import Turned, settings_turned
+from plumbline.harness.findings.agreement.values import Side, Word
 from plumbline.harness.findings.prices import Prices
 from plumbline.harness.findings.selection import Wish, choose
 from plumbline.harness.findings.selection.evidence import DECADES_OF_SPEED
@@ -35,7 +36,7 @@ from plumbline.harness.study.study import Study
 from plumbline.reports import build, write_recordings
 from plumbline.reports.html import report as html
 from plumbline.reports.page import pages
-from plumbline.reports.pages.scene import PAGE
+from plumbline.reports.pages.scene import PAGE, answers_of
 from tests.in_process import clocked_by, in_this_process
 from tests.known_prices import LAWS, PLUGINS
 from tests.links import dangling
@@ -206,6 +207,21 @@ def test_the_first_screen_answers_five_questions_in_order_before_anything_else(t
     assert best in [sentence.removeprefix("Set: ") for sentence in closing_words(thrown.store)]
 
 
+def test_what_to_set_is_a_track_that_agrees(thrown: Done) -> None:
+    """A track that ends elsewhere, or nowhere, is no advice, however cheap it comes near the limit at one step."""
+    (agreement,) = agreements(thrown.store)
+    asked = (price for price in Prices(thrown.store).prices if price.target == 1e-2)
+    paces = {price.engine: f"{1 / price.cost:.3g} times real time" for price in sorted(asked, key=lambda price: price.cost)}
+    cheapest, dearest = paces
+    assert paces[cheapest] in best_setting(thrown.store, agreement)
+
+    def lost(side: Side) -> Side:
+        return replace(side, word="does not converge") if side.engine == cheapest else side
+
+    left = replace(agreement, sides=tuple(map(lost, agreement.sides)))
+    assert paces[dearest] in best_setting(thrown.store, left)
+
+
 def test_every_link_of_a_report_of_ones_own_scene_leads_somewhere(thrown: Done, fallen: Done) -> None:
     assert dangling(thrown.store.folder) == dangling(fallen.store.folder) == []
 
@@ -316,6 +332,30 @@ def test_the_cause_of_a_cube_that_creeps_on_a_floor_it_grips_is_the_pyramid(grip
     assert "'cone' turned to elliptic alone closes" in said
     # What it adds beside is a list, and no cause.
     assert "Computed although the scene does not call for it: gyroscopic on MuJoCo default and MuJoCo tuned." in said
+
+
+def test_a_side_that_agrees_with_the_limit_in_the_end_needs_no_cause(gripping: Done) -> None:
+    """It was asked about at a coarse step, at which it lay apart: no sentence says that it ends away from where it ends."""
+    (agreement,) = agreements(gripping.store)
+    (default,) = [side for side in agreement.sides if side.track == "default"]
+
+    def turned(word: Word) -> list[Turned]:
+        sides = (replace(default, word=word),)
+        return settings_turned(gripping.store, replace(agreement, sides=sides, limit=default.limit.value))
+
+    assert {each.towards for each in turned("converges elsewhere")} == {"limit"}
+    assert turned("agrees") == []
+
+
+def test_each_verdict_on_the_first_screen_is_followed_by_its_cause(gripping: Done) -> None:
+    """Two sides that are off, one of them with a cause: it stands behind that one's verdict and in front of the other's."""
+    (agreement,) = agreements(gripping.store)
+    off = tuple(replace(side, word="does not converge", why="planted") for side in agreement.sides)
+    answers = {answer.title: answer for answer in answers_of(gripping.store, replace(agreement, sides=off), parted=False)}
+    default, tuned = answers["Who is off, and why?"].sentences
+    assert default.startswith("MuJoCo, default: does not converge")
+    assert default.endswith("% of that.")
+    assert tuned.startswith("MuJoCo, tuned: does not converge")
 
 
 def test_settings_that_were_turned_are_no_sides_of_their_own(gripping: Done) -> None:

@@ -147,6 +147,9 @@ def test_energy_and_momentum_are_no_constants_where_a_body_is_led() -> None:
     for law in (energy_change, momentum_drift_max):
         with pytest.raises(NotMeasurable, match="'table' is led"):
             law(scene(), run, None)
+    belt = Scene(bodies=(Body.ball("parcel", 0.1, 1.0, touches=False), Body(name="belt", motion="kinematic", v_WB=(0.5, 0, 0))))
+    with pytest.raises(NotMeasurable, match="'belt' is led"):
+        energy_change(belt, run, None)
 
 
 def test_a_sleeping_load_wakes_when_what_it_lies_on_is_led_away() -> None:

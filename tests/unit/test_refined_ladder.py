@@ -280,5 +280,5 @@ def test_a_cause_is_named_where_it_closes_the_distance_and_no_single_one_elsewhe
     (named,) = cause_words([turn("cone", 0.97, True), turn("steps", 0.1)], agreement, {"a": "Engine A"})
     away = f"Engine A, default, ends {length(0.5, agreement)} from its tuned track"
     assert named == f"{away}: 'cone' turned to round alone closes 97 % of that."
-    (none,) = cause_words([turn("steps", 0.4), turn("cone", None)], agreement, {})
-    assert "no single setting closes 80 % of that, of 2 tried (steps and cone); 'steps' closes most, 40 %." in none
+    (none,) = cause_words([turn("steps", 0.797), turn("steps", 0.2), turn("cone", None)], agreement, {})
+    assert "no single setting closes 80 % of that, of 3 turns tried (steps and cone); 'steps' closes most, 79 %." in none

@@ -12,15 +12,19 @@ from plumbline.harness.adapter import Unavailable
 from plumbline.harness.case.commands import acting
 from plumbline.harness.case.forces import Controlled
 from plumbline.harness.cli.main import main
+from plumbline.harness.cli.own_import import scene_to_run
 from plumbline.harness.findings import tables
 from plumbline.harness.findings.recorded_robot import _answer, _answering, _delayed, carried
 from plumbline.harness.intake.refusal import RobotError
 from plumbline.harness.run.campaign import carry_out
 from plumbline.harness.scene import Body, Drive, Prismatic, Revolute, Samples, Scene, Sinusoid
-from plumbline.harness.scene.file import dump_toml, parse
+from plumbline.harness.scene.file import dump_toml, load, parse
 from plumbline.harness.scene.importers.commands import load_commands, read_log
+from plumbline.harness.scene.importers.companion import beside, load_companion
 from plumbline.harness.scene.importers.imported import Imported
+from plumbline.harness.scene.importers.reading import read
 from plumbline.harness.scene.importers.replay import Gains, recorded, replayed
+from plumbline.harness.scene.importers.start_pose import started_at
 from plumbline.harness.store.imported_scenes import keep
 from plumbline.harness.study import plugins
 from plumbline.harness.study.experiment import Refinement
@@ -31,6 +35,7 @@ from plumbline.harness.trajectory.pace import Pace
 from tests.in_process import in_this_process
 
 MOMENT, DT = 0.5, 1 / 480
+NO_WISHES = {"root": None, "scenario": None, "start": None, "convex": None, "one_friction": False, "strict": False}
 DAMPED = 0.1
 """Seconds that a drive of 400 N m/rad and 40 N m s/rad lags behind a slow target: d / k."""
 
@@ -238,3 +243,51 @@ def test_a_recorded_robot_stands_beside_every_engine_with_fits(tmp_path: Path, m
     (words,) = tables.table("recorded").sentences([row])
     assert "a delay of" in words
     assert words.endswith("(a fit).")
+
+
+QUADRUPED = Path(__file__).parents[2] / "examples" / "quadruped.urdf"
+
+
+def test_joints_that_start_elsewhere_take_along_what_hangs_on_them_as_the_importer_has_it() -> None:
+    """The standing quadruped, once as its companion starts it, once straightened and then brought to the same coordinates."""
+    stands = read(QUADRUPED).scene
+    companion = load_companion(beside(QUADRUPED))
+    straight = read(QUADRUPED, companion=replace(companion, joints={}, start="zero")).scene
+    starts = {joint.name: joint.position for joint in stands.joints if isinstance(joint, Revolute)}
+    assert sum(position != 0 for position in starts.values()) == 8
+    brought = started_at(straight, starts, "log.csv")
+    for one, other in zip(brought.bodies, stands.bodies, strict=True):
+        assert one.p_WB == pytest.approx(other.p_WB, abs=1e-12)
+        assert abs(np.dot(one.q_WB, other.q_WB)) == pytest.approx(1.0, abs=1e-12)
+    for one, other in zip(brought.joints, stands.joints, strict=True):
+        assert isinstance(one, Revolute)
+        assert isinstance(other, Revolute)
+        assert (one.anchor_W, one.axis_W) == (pytest.approx(other.anchor_W, abs=1e-12), pytest.approx(other.axis_W, abs=1e-12))
+        assert one.position == other.position
+
+
+def test_a_start_that_tears_a_loop_or_carries_on_a_velocity_is_refused() -> None:
+    loop = read(QUADRUPED.with_name("four_bar.xml")).scene
+    first = next(joint for joint in loop.joints if isinstance(joint, Revolute))
+    with pytest.raises(RobotError, match="closes a loop, which the start pose would tear"):
+        started_at(loop, {first.name: first.position + 0.3}, "log.csv")
+    assert started_at(loop, {first.name: first.position}, "log.csv") == loop
+    spinning = wheel()
+    spinning = replace(spinning, bodies=(replace(spinning.bodies[0], w_WB=(1.0, 0.0, 0.0)),))
+    with pytest.raises(RobotError, match="'wheel' has a velocity that is of another pose"):
+        started_at(spinning, {"axle": 0.3}, "log.csv")
+
+
+def test_engines_start_where_the_recorded_robot_does_and_it_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "w.toml").write_text(dump_toml(wheel(Drive(stiffness=1.0))))
+    for first, start in ((0.25, 0.25), (1e-9, 0.0)):
+        measured = log(tmp_path, f"time,axle\n0,{first}\n1,0.4\n")
+        options = {"states": measured, "drop": (), "packages": (), **NO_WISHES}
+        scene = load(Path(scene_to_run(str(tmp_path / "w.toml"), tmp_path / "run", options)))
+        (joint,) = scene.joints
+        assert isinstance(joint, Revolute)
+        assert joint.position == start
+        # Turned about x by as much.
+        assert scene.bodies[0].q_WB == pytest.approx((math.cos(start / 2), math.sin(start / 2), 0.0, 0.0), abs=1e-9)
+        said = "joints start where the recorded robot does: axle at 0.25 in place of 0" in capsys.readouterr().err
+        assert said == (start == 0.25)

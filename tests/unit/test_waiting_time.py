@@ -45,7 +45,7 @@ def clock(monkeypatch: pytest.MonkeyPatch) -> list[float]:
 
 def test_ladders_are_answered_first_and_looked_at_once_all_first_steps_are(clock: list[float]) -> None:
     looks: list[list[str]] = []
-    guide = Waiting(100.0, CASES, lambda records: looks.append([each.trial for each in records]))
+    guide = Waiting(112.0, CASES, lambda records: looks.append([each.trial for each in records]))
     trials: Any = [Trial("e", EFFECTS), Trial("a"), Trial("b")]
     first, rest = guide.batches(trials)
     assert [trial.trial for trial in first] == ["a", "b"]
@@ -64,7 +64,7 @@ def test_ladders_are_answered_first_and_looked_at_once_all_first_steps_are(clock
 
 
 def test_ladders_are_refined_for_two_fifths_of_the_time_and_causes_begin_until_half_is_gone(clock: list[float]) -> None:
-    guide = Waiting(100.0, CASES, print)
+    guide = Waiting(112.0, CASES, print)
     finer: Any = Trial("a")
     turned: Any = Trial("b", alteration=Alteration(name=TURNED))
     for now, allowed in ((39.0, (True, True)), (41.0, (False, True)), (51.0, (False, False))):
@@ -74,7 +74,7 @@ def test_ladders_are_refined_for_two_fifths_of_the_time_and_causes_begin_until_h
 
 def test_what_fits_is_clocked_coarse_steps_first(clock: list[float]) -> None:
     """Three samples of a second and a start are 3.3 s each; from 70 s to 80 s three of them fit, and beyond no ladder does."""
-    guide = Waiting(100.0, CASES, print)
+    guide = Waiting(112.0, CASES, print)
     trials: Any = [Trial(str(k), dt=0.01 / 2**k) for k in range(6)]
     records = {trial.trial: record(trial.trial) for trial in trials}
     assert clock_time(trials[0], records["0"], CASES["x"]) == pytest.approx(3.0 + START)
@@ -86,8 +86,13 @@ def test_what_fits_is_clocked_coarse_steps_first(clock: list[float]) -> None:
     assert list(guide.clocks(effects, {"e": record("e")})) == ["e"]
 
 
+def test_a_quarter_of_a_short_budget_is_kept_for_the_report_and_twelve_seconds_of_a_longer_one(clock: list[float]) -> None:
+    """Tables and pages of a scene took 12 s after a budget was over: a person who waits two minutes has them by then."""
+    assert [Waiting(budget, CASES, print).end() for budget in (10.0, 48.0, 120.0, 600.0)] == [7.5, 36.0, 108.0, 588.0]
+
+
 def test_what_nobody_waited_for_is_no_part_of_the_run(clock: list[float]) -> None:
-    guide = Waiting(100.0, CASES, print)
+    guide = Waiting(112.0, CASES, print)
     assert list(guide.asked(["a", "b"], {"a": record("a")})) == ["a", "b"]
     guide.broken_off(())
     assert guide.over

@@ -22,10 +22,18 @@ def cost_words(store: Store) -> list[str]:
 
 
 def best_setting(store: Store, agreement: Agreement) -> str:
-    """What to set: the engine that people can deploy, and its setting, that reaches the target cheapest; '' where none does."""
+    """What to set: the engine that people can deploy, and its setting, that reaches the target cheapest; '' where none does.
+
+    Only a track that agrees with the limit is advised: one that does not may come near it at one step and not at the next.
+    """
     engines = store.catalogue.get("engines", {})
+    agreeing = {(side.engine, side.track) for side in agreement.sides if side.word == "agrees"}
     ranked = sorted(
-        (price for price in _asked(store, agreement) if price.cost and not engines.get(price.engine, {}).get("ours")),
+        (
+            price
+            for price in _asked(store, agreement)
+            if price.cost and (price.engine, price.track) in agreeing and not engines.get(price.engine, {}).get("ours")
+        ),
         key=lambda price: price.cost or 0.0,
     )
     if not agreement.agreed or not ranked:

@@ -1,9 +1,11 @@
 """Which setting of an engine makes its track end elsewhere: the one that closes most of the distance when it is turned alone.
 
 The distance is that of a run under the track from where it should end, at the same step: from the engine's own `tuned` run
-where `default` was asked about, from the agreed limit where `tuned` was. An effect that is merely there is no cause.
+where `default` was asked about, from the agreed limit where `tuned` was. A side that agrees with the limit after all, at finer
+steps than it was asked about, needs no cause. An effect that is merely there is no cause.
 """
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -62,7 +64,7 @@ def _of_side(store: Store, agreement: Agreement, side: Side, rows: Sequence[Any]
     dt = float(rows[0].dt)
     towards, target = _target(agreement, side, dt)
     base = _at(side, dt)
-    if base is None or target is None:
+    if base is None or target is None or (towards == "limit" and side.word == "agrees"):
         return []
     before = _distance(base, target, agreement)
     turned = []
@@ -108,7 +110,9 @@ def cause_words(turned: Sequence[Turned], agreement: Agreement, titles: Mapping[
         if best.cause and best.closes is not None:
             lines.append(f"{who}: '{best.setting}' turned to {best.value} alone closes {100 * best.closes:.0f} % of that.")
         else:
-            tried = listed([each.setting for each in mine])
-            most = f"; '{best.setting}' closes most, {100 * best.closes:.0f} %" if best.closes and best.closes > 0 else ""
-            lines.append(f"{who}: no single setting closes {100 * CLOSES:.0f} % of that, of {len(mine)} tried ({tried}){most}.")
+            tried = listed(list(dict.fromkeys(each.setting for each in mine)))
+            share = best.closes or 0.0
+            most = f"; '{best.setting}' closes most, {math.floor(100 * share)} %" if share > 0 else ""
+            none = f"no single setting closes {100 * CLOSES:.0f} % of that, of {len(mine)} turns tried"
+            lines.append(f"{who}: {none} ({tried}){most}.")
     return lines

@@ -99,14 +99,16 @@ def side_words(side: Side, agreement: Agreement) -> str:
     return f"{side.word} ({order}{until}; known to {length(bar, agreement)}{camp})"
 
 
-STILL = "Nothing moves in it, so that engines have little to differ in: --scenario swing or sweep moves a robot's joints."
+STILL = "Nothing moves in it, so that engines have little to differ in"
+JOINTED = ": --scenario swing or sweep moves a robot's joints"
 
 
 def scene_words(agreement: Agreement, titles: Mapping[str, str]) -> list[str]:
     """The headline, whether nothing moves, and the differences between camps."""
     lines = [headline(agreement, titles)]
     if agreement.still and not agreement.moving:
-        lines.append(STILL)
+        jointed = agreement.scene is not None and bool(agreement.scene.joints)
+        lines.append(f"{STILL}{JOINTED if jointed else ''}.")
     elif agreement.still:
         movers = list(dict.fromkeys(f"{titles.get(side.engine, side.engine)} ({side.track})" for side in agreement.moving))
         lines.append(f"In that limit nothing moves; it does on {listed(movers)}.")

@@ -28,6 +28,8 @@ MORE = replace(
     tracks={
         name: in_coordinates(ADAPTER.tracks["tuned"], "automatic", name) for name in ("implicit_midpoint", "dormand_prince")
     },
+    # Its limits act at the end of a step: a body at one is 2.1e-5 m/s off at 1 ms, and half of that at half the step.
+    staggered=("implicit_midpoint",),
 )
 ALL = [(adapter, track) for adapter in (OTHER, OWN, MORE) for track in adapter.tracks]
 NAMES = tuple(

@@ -147,6 +147,13 @@ def test_energy_and_momentum_are_no_constants_where_a_body_is_led() -> None:
     for law in (energy_change, momentum_drift_max):
         with pytest.raises(NotMeasurable, match="'table' is led"):
             law(scene(), run, None)
+    from_rest = Prescribed(
+        shifts=(Shift(axis_W=(1.0, 0.0, 0.0), motion=Samples(time=(0.0, 0.5, 1.0), target=(0.0, 0.0, 1.0))),)
+    )
+    table = Body(name="table", motion="kinematic", prescribed=from_rest)
+    assert not np.any(table.velocity_at_start)
+    with pytest.raises(NotMeasurable, match="'table' is led"):
+        energy_change(Scene(bodies=(table, Body(name="load"))), run, None)
     belt = Scene(bodies=(Body.ball("parcel", 0.1, 1.0, touches=False), Body(name="belt", motion="kinematic", v_WB=(0.5, 0, 0))))
     with pytest.raises(NotMeasurable, match="'belt' is led"):
         energy_change(belt, run, None)

@@ -111,6 +111,8 @@ class Actuation:
         start = self.pose is None
         held = self.footing.held(port, number, start)
         stance = tuple(sorted((hold.link, len(hold.rows)) for hold in held))
+        rest = k * (x - free)
+        pull = stiff * ([a.target for a in self.actuators] - x) + damped * target_velocity + constant
         if self.pose is None or stance != self.stance or (np.abs(x - self.pose) > self.reach).any():
             mobility, self.fall, loose = self.skeleton.response(port, number, self.gravity, held, 0.0 if start else h)
             self.yielding = np.linalg.inv(np.eye(len(x)) + h * mobility * (passive + active))
@@ -118,10 +120,9 @@ class Actuation:
                 self.unpushed = None
             self.pose, self.push, self.stance, self.loose = x, h * mobility, stance, h * loose
             if self.unheld is None:
-                # What holds bears gravity at the start, and what drives must bear for it.
-                self.unheld = v - self.loose @ np.linalg.lstsq(mobility, self.fall, rcond=None)[0]
-        rest = k * (x - free)
-        pull = stiff * ([a.target for a in self.actuators] - x) + damped * target_velocity + constant
+                # At the start a drive with a stiffness bears what it exerts where it stands, others what gravity asks of them.
+                weight = np.linalg.lstsq(mobility, self.fall, rcond=None)[0]
+                self.unheld = v - self.loose @ np.where(stiff > 0.0, np.clip(rest - pull, -limit, limit), weight)
         most = pull - rest
         onward = v + h * self.fall if self.unpushed is None else 2 * v - self.unpushed
         end = self.yielding @ (onward + self.push @ (pull - rest))

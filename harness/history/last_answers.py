@@ -19,7 +19,7 @@ class LastAnswers:
     _rows: dict[str, dict[Hashable, Any]] = field(default_factory=dict)
 
     def store(self, key: Key, engine: str) -> Store:
-        """Of the last night that did all of a block on an engine what it was the last to do. Raises: StoreError."""
+        """The last night that did all of a block on an engine, with the blocks that no later one did. Raises: StoreError."""
         night = self.seen[key].night_of(engine)
         if night.stamp not in self._stores:
             self._stores[night.stamp] = night.store_of({key for key, known in self.seen.items() if night in known.nights})

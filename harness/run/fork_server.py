@@ -32,7 +32,7 @@ def main(orders: int, modules: Sequence[str]) -> None:
     A module that raises is left to the child that wants it. Garbage is not searched for while modules are loaded, since what
     they are made of stays; it is frozen then, or the first search of each child would write to all of that memory, and copy it.
     """
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # it is for whoever orders, also while this loads
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # it is for whoever orders, here and in what is forked
     gc.disable()
     for name in modules:
         with suppress(Exception):
@@ -49,11 +49,7 @@ def serve(orders: socket.socket) -> NoReturn:
     woken, wakes = socket.socketpair()
     for end in (woken, wakes):
         end.setblocking(False)
-    # Of the server alone: an interrupt is for whoever orders.
-    usual = {
-        signal.SIGCHLD: signal.signal(signal.SIGCHLD, _waking),
-        signal.SIGINT: signal.signal(signal.SIGINT, signal.SIG_IGN),
-    }
+    usual = signal.signal(signal.SIGCHLD, _waking)
     signal.set_wakeup_fd(wakes.fileno(), warn_on_full_buffer=False)
     with selectors.DefaultSelector() as selector:
         for source in (orders, woken):
@@ -71,8 +67,7 @@ def serve(orders: socket.socket) -> NoReturn:
             pipe, tells = (Connection(each) for each in descriptors)
             child = os.fork()
             if child == 0:
-                for number, handler in usual.items():
-                    signal.signal(number, handler)
+                signal.signal(signal.SIGCHLD, usual)
                 signal.set_wakeup_fd(-1)
                 selector.close()
                 for unused in (orders, woken, wakes):

@@ -20,16 +20,7 @@ from plumbline.harness.trajectory.trajectory import Floats, Integers, Trajectory
 Booleans: TypeAlias = NDArray[np.bool_]
 
 Kind: TypeAlias = Literal[
-    "passed through",
-    "bounced",
-    "left the ground",
-    "fell off",
-    "tipped",
-    "rolled",
-    "slid",
-    "moved",
-    "hit the stop",
-    "at rest",
+    "passed through", "bounced", "left the ground", "fell off", "tipped", "rolled", "slid", "moved", "hit the stop", "at rest"
 ]
 MOVED = 0.01
 """Of the size: less is no motion that an eye sees, as everywhere where engines are compared."""

@@ -70,8 +70,7 @@ Each check that fails on `tuned` of an engine that is always installed is one of
 the faults of adapters and sensors that slip through `check` to the end. Of these four, tests of the lens and of projection see
 `decentering_along_the_other_axis` and `points_projected_with_one_focal_length`, which no engine goes through. Nothing that was
 run sees `bullet_reaction_of_a_turned_edge`, which `tests/conformance/test_bullet_joints.py` passes, nor
-`dart_damping_torque_explicit`, of which only `check` was asked: a damper held over its step differs from the sound one by a
-term of the step's order.
+`dart_damping_torque_explicit`, of which only `check` was asked.
 
 What slipped at first is seen by seven checks more (of one limit, of what rays meet, of turned shapes on a body that turns, of a
 closed loop, of the lead of forces, of sensors on turned principal axes, of wide beams), by one that looks closer (instability

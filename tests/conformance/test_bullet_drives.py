@@ -252,7 +252,7 @@ def test_a_machine_whose_drives_have_no_solution_has_diverged_and_is_no_crash(mo
 
 
 def test_a_quadruped_on_stiff_drives_stands_from_every_start_of_its_ensemble() -> None:
-    """What drives bear at the start is what they exert there; gravity shared out by least squares lets one of 16 starts fly off."""
+    """At the start drives bear what they exert there. With the least share of gravity in its place one start flies off."""
     case = plugins.case("stand_quadruped")
     scene, dt = scene_at(case, {"stiffness": 8e4}), 1 / 240
     settings = ADAPTER.tracks["tuned"].with_dt(dt)

@@ -6,6 +6,7 @@ person starts it, without the seconds in which it loads and in which it draws a 
 
 import json
 import os
+import signal
 import socket
 import sys
 
@@ -41,6 +42,7 @@ def born(_origin: fork_servers.Origin, orders: socket.socket) -> psutil.Process:
     if server == 0:
         os.closerange(3, orders.fileno())
         os.closerange(orders.fileno() + 1, 4096)
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
         serve(orders)
     return psutil.Process(server)
 

@@ -22,7 +22,7 @@ def rows(answer: Answer) -> list[dict[str, Any]]:
     return flat
 
 
-def ranking(answer: "Answer") -> list[dict[str, Any]]:
+def ranking(answer: Answer) -> list[dict[str, Any]]:
     """One an engine: its entry, or why it is left out; of one that nobody stands beside no share, but why it is alone."""
     rows: list[dict[str, Any]] = []
     for entry in answer.rank.places if answer.rank is not None else ():

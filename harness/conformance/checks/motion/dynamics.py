@@ -283,9 +283,9 @@ def force_lead_is_what_a_step_shows(adapter: Adapter, settings: Settings) -> Fin
         simulation.step()
         end = state_of(simulation, scene)
     gone = float(end.p_WB[0] @ push[0]) / 13.0
-    way = 13.0 / 2.0 * dt**2
+    travel = 13.0 / 2.0 * dt**2
     because = "a damping that is on by default takes .3 % in this step; half a step of lead is half of it"
-    return judge(near("way of the first step [m]", gone, (1.0 - lead) * way, 0.02 * way, because))
+    return judge(near("way of the first step [m]", gone, (1.0 - lead) * travel, 0.02 * travel, because))
 
 
 @check("Does a strong damping bring a body to rest?", Feature.LINEAR_DAMPING | Feature.ANGULAR_DAMPING)

@@ -53,6 +53,8 @@ Deviations:
       contact, on which it rocks and slides by another friction. A scene in which such pairs can meet uses the ODE detector on
       both tracks, and the Bullet detector where capsules can meet boxes or cylinders, cylinders each other, or two hulls or
       meshes that move; `warnings()` says so on 'default'. Where neither has all pairs right the scene is refused.
+    * The ODE detector misses some boxes whose edges are parallel to rounding: a box that leans over an edge along no axis of W
+      is turned by its number times 1e-12 rad there (`shapes.ASKEW`).
     * An ellipsoid stands right under FCL alone, on planes, boxes and cylinders; its other pairs are refused, and so are rays
       in scenes with one, as DART's own detector meets a polyhedron in its place.
     * Under the Bullet detector, which holds a solid on a plane at one point, a plane is a box that ends a kilometre away;
@@ -285,6 +287,8 @@ ADAPTER = DartAdapter(
         "beside contact implicit drives sag and gain energy, so that on 'tuned' they are stable PD control there",
         "where FCL, the vendor's default, has shapes wrong (capsules, hulls, meshes, cylinders on boxes or cylinders, solids "
         "on planes), ODE or Bullet detects; what neither has right is refused",
+        "under the ODE detector, which misses boxes whose edges are parallel to rounding, a box that leans is turned by its "
+        "number times 1e-12 rad",
         "hulls and meshes lose digits beyond single precision",
         "rays in a scene with an ellipsoid are refused, and its contacts but for those with planes, boxes and cylinders",
         "restitution acts above an approach of 0.1 m/s and returns at most 100 m/s",

@@ -84,7 +84,8 @@ class Ruler:
             return True
         if self._logarithmic:
             return max(held / broke, broke / held) <= self.within * (1 + 1e-12)
-        return abs(held - broke) <= (self.within - 1) * abs(self.axis.extreme - self.axis.easy) * (1 + 1e-12)
+        # Ratios say nothing on an axis that begins at zero: its ends lie a quarter of what `within` grants apart there.
+        return abs(held - broke) <= (self.within - 1) / 4 * abs(self.axis.extreme - self.axis.easy) * (1 + 1e-12)
 
     def scan(self, count: int) -> list[float]:
         """So many values from easy to extreme, each once."""

@@ -171,6 +171,18 @@ def test_an_axis_that_falls_and_one_of_whole_numbers() -> None:
     assert bracket(known, whole) == type(found)(17.0, 18.0)
 
 
+def test_an_axis_that_begins_at_zero_is_halved_until_its_bracket_is_a_share_of_it() -> None:
+    by = Ruler(Axis(parameter="x", unit="1", easy=0.0, extreme=0.45), False, 1.6)
+    known: dict[float, str] = {}
+    while (value := next_value(known, by, 3)) is not None:
+        known[value] = "passed" if value <= 0.41 else "failed"
+    found = bracket(known, by)
+    assert found.held is not None
+    assert found.broke is not None
+    assert found.held <= 0.41 < found.broke
+    assert found.broke - found.held <= 0.6 / 4 * 0.45 * (1 + 1e-9)
+
+
 def test_the_first_place_that_breaks_counts_and_not_an_island_beyond() -> None:
     by = Ruler(Axis(parameter="x", unit="1", easy=0.0, extreme=1.0), False, 1.05)
     assert bracket({0.0: "passed", 0.3: "failed", 0.6: "passed", 1.0: "failed"}, by).held == 0.0

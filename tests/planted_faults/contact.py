@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from itertools import combinations
 
 import numpy as np
 
@@ -304,6 +305,19 @@ def torsional_friction_dropped(law: Surface) -> Surface:
 def friction_everywhere(law: Surface) -> Surface:
     """every surface has friction of at least .05"""
     return replace(law, static_friction=max(0.05, law.static_friction), kinetic_friction=max(0.05, law.kinetic_friction))
+
+
+@fault("box_on_parallel_edges_is_borne", needs=Feature.BOX)
+def boxes_on_parallel_edges_missed(scene: Scene) -> Scene:
+    """a box meets none, if it shares the direction of one edge alone with another box"""
+    boxes = [body for body in scene.bodies if len(body.collision) == 1 and isinstance(body.collision[0].shape, Box)]
+    parallel = {
+        (a.name, b.name): int(np.count_nonzero(np.abs(rotation(a.q_WB).T @ rotation(b.q_WB)) > 1 - 1e-9))
+        for a, b in combinations(boxes, 2)
+    }
+    missed = {name for pair, edges in parallel.items() if edges == 1 for name in pair}
+    lost = (replace(body, collision=()) if body.movable and body.name in missed else body for body in scene.bodies)
+    return replace(scene, bodies=tuple(lost))
 
 
 @fault("continuous_collision_stops_a_fast_ball", needs=Feature.SPHERE | Feature.BOX | Feature.CONTINUOUS_COLLISION)

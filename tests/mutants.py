@@ -21,7 +21,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import monotonic
 
-__all__ = ["Mutant", "main", "mutants", "planted"]
+__all__ = ["FAILED", "PASSED", "Mutant", "copied", "main", "mutants", "planted", "tested"]
 
 ROOT = Path(__file__).resolve().parents[1]
 TABLE = Path(__file__).with_suffix(".toml")

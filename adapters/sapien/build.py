@@ -28,7 +28,9 @@ def build(sapien: Any, scene: Scene, settings: Settings) -> SapienSimulation:
     towed = next((joint for joint in joints if _holds_led(scene, joint)), None)
     used = resolved_settings(settings, effects, towed is not None)
     if towed is not None and used.solver == "pgs":
-        raise Unsupported(f"joint '{towed.name}': a body that is led", "PGS takes its turning for nought at joints; TGS does not")
+        raise Unsupported(
+            f"joint '{towed.name}': a body that is led", "PGS takes its turning for nought at joints; TGS does not"
+        )
     for body in scene.bodies:
         check_body(body)
     gravity = scene.gravity if Effect.GRAVITY in effects else (0.0, 0.0, 0.0)

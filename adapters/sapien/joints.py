@@ -21,7 +21,7 @@ _FREE = 1e6
 """A rate [rad/s or m/s] that nothing reaches."""
 _INFINITE = 3e38
 _FURTHER = 1.0
-"""How far along the axis [m] the second point of a hinge, slide or weld is held. Under .1 m single precision shows, in turns."""
+"""How far along the axis [m] the second point of a hinge, slide or weld is held. Below .1 m single precision shows."""
 
 
 @dataclass(slots=True)

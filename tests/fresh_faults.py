@@ -3,8 +3,8 @@
     python -m tests.fresh_faults [NAME...] [--workers N]
 
 The table is `tests/fresh_faults.toml`. Each fault is planted in a copy of the tree. One that lies in an adapter or in what
-reads sensors is put to `plumbline check` of its engine, and where that passes what it passes without the fault, to its tests; all
-others are put to their tests. Exit code 1: some fault is seen by nothing.
+reads sensors is put to the check of conformance that is said to see it, then to all of them, then to its tests; all others are
+put to their tests. Exit code 1: some fault is seen by nothing, or by another kind of thing than the table says.
 """
 
 import argparse
@@ -14,7 +14,7 @@ import subprocess
 import sys
 import tomllib
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cache
@@ -25,14 +25,27 @@ from tests.mutants import FAILED, PASSED, Mutant, copied, planted, tested
 __all__ = ["FreshFault", "faults", "main"]
 
 TABLE = Path(__file__).with_suffix(".toml")
+_ASK = """
+import json, sys
+from plumbline.harness.conformance import CHECKS, run_conformance
+from plumbline.harness.study import plugins
+chosen = [check for check in CHECKS if not sys.argv[2:] or check.name in sys.argv[2:]]
+outcomes = run_conformance(plugins.adapter(sys.argv[1]), ("tuned", "default"), chosen)
+print(json.dumps([f"{o.track}/{o.check}" for o in outcomes if o.status in ("failed", "improved")]))
+"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FreshFault(Mutant):
-    """One fault. Terms: kind: what lies broken. checked_on: the engine that `plumbline check` is put to; '' for none."""
+    """One fault.
+
+    Terms:
+        kind: what lies broken. checked_on: the engine that is checked, '' for none. check: the check that sees it, '' for none.
+    """
 
     kind: str
     checked_on: str = ""
+    check: str = ""
 
 
 def faults(table: Path = TABLE) -> tuple[FreshFault, ...]:
@@ -41,22 +54,21 @@ def faults(table: Path = TABLE) -> tuple[FreshFault, ...]:
     return tuple(FreshFault(**{**row, "tests": tuple(row["tests"])}) for row in rows)
 
 
-def failing(tree: Path, engine: str) -> frozenset[str]:
-    """'track/check' of all that an engine fails in a tree. Raises: RuntimeError, where the command itself breaks."""
+def failing(tree: Path, engine: str, checks: Iterable[str]) -> frozenset[str]:
+    """'track/check' of what an engine fails in a tree, of these checks or of all. Raises: RuntimeError, where nothing is told."""
     environment = {**os.environ, "PYTHONPATH": f"{tree / 'src'}:{tree}", "PYTHONDONTWRITEBYTECODE": "1"}
-    command = [sys.executable, "-m", "plumbline", "check", engine, "--json"]
+    command = [sys.executable, "-c", _ASK, engine, *checks]
     ended = subprocess.run(command, cwd=tree, env=environment, capture_output=True, text=True, check=False)
-    if not ended.stdout.strip():
+    if ended.returncode:
         raise RuntimeError(f"check {engine}: {ended.stderr.strip().splitlines()[-1:]}")
-    rows = json.loads(ended.stdout)
-    return frozenset(f"{row['track']}/{row['check']}" for row in rows if row["status"] in ("failed", "improved"))
+    return frozenset(json.loads(ended.stdout.strip().splitlines()[-1]))
 
 
 @cache
 def sound(engine: str) -> frozenset[str]:
     """What an engine fails without a fault."""
     with copied() as tree:
-        return failing(tree, engine)
+        return failing(tree, engine, ())
 
 
 def seen(fault: FreshFault) -> tuple[str, str]:
@@ -64,8 +76,10 @@ def seen(fault: FreshFault) -> tuple[str, str]:
     text = planted(fault)
     with copied() as tree:
         (tree / fault.file).write_text(text, encoding="utf-8")
-        if fault.checked_on and (found := failing(tree, fault.checked_on) - sound(fault.checked_on)):
-            return "check", ", ".join(sorted(found))
+        for checks in ([fault.check], []) if fault.check else ([[]] if fault.checked_on else []):
+            found = failing(tree, fault.checked_on, checks)
+            if found and (found := found - sound(fault.checked_on)):
+                return "check", ", ".join(sorted(found))
         code, said = tested(tree, fault.tests, fault.plain, None)
     if code not in (PASSED, FAILED, None) or (code == PASSED and " passed" not in said):
         raise RuntimeError(f"fault '{fault.name}': its tests say nothing: {said}")
@@ -81,14 +95,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
     table = {fault.name: fault for fault in faults()}
     if unknown := [name for name in asked.names if name not in table]:
         parser.error(f"no fault '{unknown[0]}', expected some of: {', '.join(table)}")
-    chosen, counts = [table[name] for name in asked.names or table], Counter[tuple[str, str]]()
+    chosen, counts, astray = [table[name] for name in asked.names or table], Counter[tuple[str, str]](), 0
     with ThreadPoolExecutor(asked.workers) as pool:
         for fault, (by, why) in zip(chosen, pool.map(seen, chosen), strict=True):
             counts[fault.kind, by] += 1
+            astray += by != ("check" if fault.check else "tests")
             print(f"{fault.kind:8} {by:8} {fault.name}: {why}", flush=True)
     for kind in sorted({kind for kind, _ in counts}):
         print(kind, *(f"{by} {counts[kind, by]}" for by in ("check", "tests", "nothing")), sep=", ")
-    return int(any(by == "nothing" for _, by in counts))
+    return int(astray > 0)
 
 
 if __name__ == "__main__":

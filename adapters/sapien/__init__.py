@@ -70,7 +70,7 @@ _RAYS = "cylinders are prisms of 32 sides; planes 0.05 mm off, at a graze and wi
 _POINTS = "points of contacts lie on one of the two surfaces, by the shapes that meet: half the gap off"
 _LOOSE = {
     "drive": "joints of what hangs on a ball or a led body are constraints, whose drives miss their law by 5 %: refused",
-    "one_sided_limit": "joints of what hangs on a ball or a led body are constraints, their angle counts modulo a turn: refused",
+    "one_sided_limit": "joints of what hangs on a ball or a led body are constraints: angles count modulo a turn",
 }
 _INSIDE = "a ray that starts in a solid of PhysX meets it where it starts"
 

@@ -94,7 +94,7 @@ def copied() -> Iterator[Path]:
         tree.mkdir()
         for name in CARRIED:
             if (ROOT / name).is_dir():
-                shutil.copytree(ROOT / name, tree / name, symlinks=True, ignore=shutil.ignore_patterns("__pycache__", "*.pyc"))
+                shutil.copytree(ROOT / name, tree / name, symlinks=True)
             else:
                 shutil.copy2(ROOT / name, tree / name)
         yield tree

@@ -4,7 +4,8 @@
 
 The table is `tests/fresh_faults.toml`. Each fault is planted in a copy of the tree. One that lies in an adapter or in what
 reads sensors is put to the check of conformance that is said to see it, then to all of them, then to its tests; all others are
-put to their tests. Exit code 1: some fault is seen by nothing, or by another kind of thing than the table says.
+put to their tests, which must pass without them. Exit code 1: some fault is seen by nothing, or by another kind of thing than
+the table says.
 """
 
 import argparse
@@ -21,6 +22,7 @@ from functools import cache
 from pathlib import Path
 
 from tests.mutants import FAILED, PASSED, Mutant, copied, planted, tested
+from tests.mutants import sound as tests_fail
 
 __all__ = ["FreshFault", "faults", "main"]
 
@@ -97,6 +99,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     table = {fault.name: fault for fault in faults()}
     if unknown := [name for name in asked.names if name not in table]:
         parser.error(f"no fault '{unknown[0]}', expected some of: {', '.join(table)}")
+    others = [table[name] for name in asked.names or table if not table[name].check]
+    if broken := tests_fail(others):
+        print(*broken.values(), sep="\n")
+        return 1
     chosen, counts, astray = [table[name] for name in asked.names or table], Counter[tuple[str, str]](), 0
     with ThreadPoolExecutor(asked.workers) as pool:
         for fault, (by, why) in zip(chosen, pool.map(seen, chosen), strict=True):

@@ -34,6 +34,8 @@ CARRIED = (
     "src",
     "tests",
     "docs",
+    "examples",
+    "findings",
     "pyproject.toml",
     "README.md",
     "CONTRIBUTING.md",

@@ -125,7 +125,7 @@ def _told_once(case: Case) -> Case:
     alone = replace(case, retellings=None)
     if case.retellings is None or not _varies(alone):
         return case
-    return alone if all(told.name.startswith(START) for told in case.retellings(case.parameters)) else case
+    return alone if all(other.name.startswith(START) for other in case.retellings(case.parameters)) else case
 
 
 def _error(case: Case, scene: Scene, actual: Trajectory, truth: Trajectory | None) -> _Error:

@@ -158,11 +158,11 @@ def joint_reactions_bear_what_friction_holds(adapter: Adapter, settings: Setting
                 name="hinge", parent=parent, child=child, anchor_W=(1.0, 0.0, 1.0), axis_W=(0.0, 1.0, 0.0), friction_loss=8.0
             ),
         )
-        told = _reactions(adapter, Scene(bodies=(bracket, boom), joints=joints), settings.with_dt(FINE), 100)
+        reactions = _reactions(adapter, Scene(bodies=(bracket, boom), joints=joints), settings.with_dt(FINE), 100)
         comparisons.append(
             near(
                 f"force and torque of the hinge on the {child} [N, N m]",
-                told[1],
+                reactions[1],
                 sign * hinge,
                 _SETTLED * G,
                 "weight times arm",

@@ -21,7 +21,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import monotonic
 
-__all__ = ["Mutant", "main", "mutants", "planted"]
+__all__ = ["FAILED", "PASSED", "Mutant", "copied", "main", "mutants", "planted", "tested"]
 
 ROOT = Path(__file__).resolve().parents[1]
 TABLE = Path(__file__).with_suffix(".toml")
@@ -34,6 +34,8 @@ CARRIED = (
     "src",
     "tests",
     "docs",
+    "examples",
+    "findings",
     "pyproject.toml",
     "README.md",
     "CONTRIBUTING.md",
@@ -94,7 +96,7 @@ def copied() -> Iterator[Path]:
         tree.mkdir()
         for name in CARRIED:
             if (ROOT / name).is_dir():
-                shutil.copytree(ROOT / name, tree / name, symlinks=True, ignore=shutil.ignore_patterns("__pycache__", "*.pyc"))
+                shutil.copytree(ROOT / name, tree / name, symlinks=True)
             else:
                 shutil.copy2(ROOT / name, tree / name)
         yield tree

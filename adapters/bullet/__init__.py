@@ -159,7 +159,8 @@ _THICK = (
 )
 _FROM_INSIDE = "Bullet casts a ray as a point swept against each shape and reports no hit of a shape that it starts in"
 _GRAZING = (
-    "Bullet's ray test (subsimplex convex cast) stops millimetres off at grazing incidence and edges, whatever the settings"
+    "Bullet's ray test (GJK convex cast) ends within a millimetre of the surface along its normal, whatever the settings: "
+    "millimetres short at grazing incidence"
 )
 _CAUGHT = (
     "vendor default: a body that comes within the contact margin is braked to just touch, which takes up to all of its rebound"

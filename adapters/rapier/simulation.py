@@ -114,7 +114,8 @@ class RapierSimulation:
                     b.append(contents.owners[second.index])
                     points.append(((p.x + q.x) / 2, (p.y + q.y) / 2, (p.z + q.z) / 2))
                     normals.append((n.x, n.y, n.z))
-                    gaps.append(point.dist)
+                    # What Rapier tells of the gap is of the start of the step, before the bodies moved.
+                    gaps.append((q.x - p.x) * n.x + (q.y - p.y) * n.y + (q.z - p.z) * n.z)
                     sizes.append(point.impulse / dt)
         normal = np.array(normals).reshape(-1, 3)
         return Contacts.of(a, b, points, normal, gaps, np.array(sizes)[:, None] * normal) if a else Contacts.none()

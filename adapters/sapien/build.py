@@ -24,12 +24,17 @@ IGNORED = 32
 def build(sapien: Any, scene: Scene, settings: Settings) -> SapienSimulation:
     """Exactly this scene under these settings. Raises: Unsupported, SettingsError."""
     effects = scene.effects
-    used = resolved_settings(settings, effects)
+    joints = tuple(j for j in scene.joints if not is_distance_spring(j)) if Effect.JOINTS in effects else ()
+    towed = next((joint for joint in joints if _holds_led(scene, joint)), None)
+    used = resolved_settings(settings, effects, towed is not None)
+    if towed is not None and used.solver == "pgs":
+        raise Unsupported(
+            f"joint '{towed.name}': a body that is led", "PGS takes its turning for nought at joints; TGS does not"
+        )
     for body in scene.bodies:
         check_body(body)
     gravity = scene.gravity if Effect.GRAVITY in effects else (0.0, 0.0, 0.0)
     world = World(sapien, *new_world(sapien, gravity, used))
-    joints = tuple(j for j in scene.joints if not is_distance_spring(j)) if Effect.JOINTS in effects else ()
     if Effect.JOINTS in effects:
         world.springs = DistanceSprings.of(scene, scene.joints, used.substep)
     bodies = Bodies(sapien, effects, used, materials_of(sapien, scene), groups_of(scene))
@@ -38,6 +43,11 @@ def build(sapien: Any, scene: Scene, settings: Settings) -> SapienSimulation:
         world.shape = lambda: bodies.shape_for_rays(scene, world.components)
     _notice(world, scene, effects, used)
     return SapienSimulation(scene, used, world)
+
+
+def _holds_led(scene: Scene, joint: Joint) -> bool:
+    """Does a joint hold something on a body that is led?"""
+    return any(name != WORLD and scene.body(name).motion == "kinematic" for name in (joint.parent, joint.child))
 
 
 @dataclass(slots=True)
@@ -79,7 +89,8 @@ class _Builder:
         for name, joined in loose.items():
             for joint in joined:
                 entity = entities.get(name) or self.names[name].entity
-                entity.add_component(constrain(world.sapien, scene, joint, self.names, self.names[name]))
+                for component in constrain(world.sapien, scene, joint, self.names, self.names[name]):
+                    entity.add_component(component)
         for name, entity in entities.items():
             world.scene.add_entity(entity)
             body = scene.body(name)

@@ -20,6 +20,8 @@ from plumbline.harness.trajectory.joint_states import joint_states
 _FREE = 1e6
 """A rate [rad/s or m/s] that nothing reaches."""
 _INFINITE = 3e38
+_FURTHER = 1.0
+"""How far along the axis [m] the second point of a hinge, slide or weld is held. Below .1 m single precision shows."""
 
 
 @dataclass(slots=True)
@@ -148,8 +150,8 @@ def check_laws(joint: Revolute | Prismatic) -> None:
         raise Unsupported(f"joint '{joint.name}': friction_loss", "the friction of PhysX's joints grows with what they bear")
 
 
-def constrain(sapien: Any, scene: Scene, joint: Joint, bodies: Mapping[str, Any], child: Any) -> Any:
-    """The component of a joint that is a constraint of the body `child`. Raises: Unsupported."""
+def constrain(sapien: Any, scene: Scene, joint: Joint, bodies: Mapping[str, Any], child: Any) -> list[Any]:
+    """The components of a joint that is a constraint of the body `child`. Raises: Unsupported."""
     physx = sapien.physx
     if joint.collide and frozenset((joint.parent, joint.child)) not in scene.joined() and _touch(scene, joint):
         raise Unsupported(f"joint '{joint.name}'", "bodies that a joint of SAPIEN holds do not touch")
@@ -157,18 +159,26 @@ def constrain(sapien: Any, scene: Scene, joint: Joint, bodies: Mapping[str, Any]
     other = bodies.get(joint.parent if node == joint.child else joint.child)
     if isinstance(joint, Distance):
         constraint = physx.PhysxDistanceJointComponent(child)
-        ends = {joint.parent: joint.anchor_W, joint.child: joint.child_anchor_W}
+        points = {joint.parent: joint.anchor_W, joint.child: joint.child_anchor_W}
         names = (joint.parent, joint.child) if node == joint.child else (joint.child, joint.parent)
-        frames = [pose(sapien, within(scene, name, ends[name]), (1.0, 0.0, 0.0, 0.0)) for name in names]
+        frames = [pose(sapien, within(scene, name, points[name]), (1.0, 0.0, 0.0, 0.0)) for name in names]
         _bound(constraint, joint)
     else:
         constraint = physx.PhysxDriveComponent(child)
         frames = [pose(sapien, *frame) for frame in joint_frames(scene, joint, node)]
         _lock(constraint, joint)
-    if other is not None:
-        constraint.parent = other
-    constraint.pose_in_parent, constraint.pose_in_child = frames
-    return constraint
+    held = [(constraint, frames)]
+    if not isinstance(joint, Distance | Ball):
+        # SAPIEN's limits of swing do nothing, so what a joint leaves no swing is held at a second point of its axis.
+        further, along = physx.PhysxDriveComponent(child), sapien.Pose([_FURTHER, 0.0, 0.0])
+        further.set_limit_y(0.0, 0.0)
+        further.set_limit_z(0.0, 0.0)
+        held.append((further, [frame * along for frame in frames]))
+    for component, ends in held:
+        if other is not None:
+            component.parent = other
+        component.pose_in_parent, component.pose_in_child = ends
+    return [component for component, _ in held]
 
 
 def _touch(scene: Scene, joint: Joint) -> bool:
@@ -189,7 +199,7 @@ def _bound(constraint: Any, joint: Distance) -> None:
 
 
 def _lock(constraint: Any, joint: Any) -> None:
-    """Lock what a joint does not leave free. Raises: Unsupported."""
+    """Lock what a joint does not leave free, but for swing. Raises: Unsupported."""
     laws = [law for law in carried(joint) if law != "limits"]
     if isinstance(joint, Revolute | Prismatic):
         refuse_armature(joint, "a joint between free bodies has no inertia of its own")
@@ -211,7 +221,6 @@ def _lock(constraint: Any, joint: Any) -> None:
     constraint.set_limit_z(0.0, 0.0)
     if isinstance(joint, Ball):
         return
-    constraint.set_limit_cone(0.0, 0.0)
     if not isinstance(joint, Revolute):
         constraint.set_limit_twist(0.0, 0.0)
     elif joint.limits is not None:

@@ -65,6 +65,8 @@ def nudged(scene: Scene) -> Retelling:
 
 BUILT = 1e-9
 """Metres by which starts differ that nobody could tell apart: ten atoms."""
+STARTS = 8
+"""Of a question whose answer hangs on bits, the case's own among them."""
 
 
 def started(scene: Scene, number: int, control: Control | None = None) -> Retelling:
@@ -78,6 +80,11 @@ def started(scene: Scene, number: int, control: Control | None = None) -> Retell
         for body in scene.bodies
     ]
     return Retelling(name=f"start_{number}", scene=replace(scene, bodies=tuple(bodies)), back=_same, control=control)
+
+
+def other_starts(scene: Scene, control: Control | None = None) -> tuple[Retelling, ...]:
+    """Seven other starts that nobody could tell from the first."""
+    return tuple(started(scene, number, control) for number in range(1, STARTS))
 
 
 def reordered(scene: Scene) -> Retelling:

@@ -24,6 +24,7 @@ from plumbline.harness.case import Case
 from plumbline.harness.case.starts import Member, member
 from plumbline.harness.metric import NotMeasurable
 from plumbline.harness.metrics.collapse import SIGNS, collapse_time, first_break
+from plumbline.harness.metrics.settled import START
 from plumbline.harness.metrics.stack import standing_height
 from plumbline.harness.scene import Scene
 from plumbline.harness.store.notices import short_of
@@ -119,6 +120,14 @@ def _varies(case: Case) -> bool:
     return case.retellings is None and case.control is None and case.rays is None and (_limited(case) or _stands(case))
 
 
+def _told_once(case: Case) -> Case:
+    """The case without the other starts that it tells of itself, where it has members, which are starts of their own."""
+    alone = replace(case, retellings=None)
+    if case.retellings is None or not _varies(alone):
+        return case
+    return alone if all(other.name.startswith(START) for other in case.retellings(case.parameters)) else case
+
+
 def _error(case: Case, scene: Scene, actual: Trajectory, truth: Trajectory | None) -> _Error:
     """The headline against the larger of what the axis allows and the case grants at this step. Raises: NotMeasurable."""
     assert case.hard is not None
@@ -136,6 +145,7 @@ def _error(case: Case, scene: Scene, actual: Trajectory, truth: Trajectory | Non
 def endure(trial: Trial, case: Case, adapter: Adapter, folder: Path | None) -> Record:
     """The record of an ensemble: passed where all members hold. The trajectory kept is that of the first that broke."""
     fates: list[Fate] = []
+    case = _told_once(case)
     try:
         for number in range(trial.members if _varies(case) or "seed" in trial.parameters else 1):
             fates.append(_fate(trial, case, adapter, number, folder))

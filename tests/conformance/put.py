@@ -60,6 +60,7 @@ def put(
     simulation = adapter.build(scene, settings)
     if case.control is not None:
         simulation = cast(Simulation, Controlled(simulation, case.control(case.parameters), settings.dt, len(scene.bodies)))
+    with_contacts = case.with_contacts and Feature.CONTACTS in adapter.features
     try:
         actual, broke = simulate(
             simulation,
@@ -67,8 +68,10 @@ def put(
             pace=Pace(settings.dt),
             duration=case.duration,
             sample_interval=case.sample_interval,
-            with_contacts=case.with_contacts and Feature.CONTACTS in adapter.features,
+            with_contacts=with_contacts,
             seed=0,
+            with_impulses=with_contacts and any(metric.impulses for metric in case.metrics),
+            pushed=case.control is not None,
         )
         substep = simulation.resolved.substep
     finally:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from plumbline.harness.adapter import Feature
-from plumbline.harness.scene import Distance, Joint, Limits, Prismatic, Revolute, Scene
+from plumbline.harness.scene import WORLD, Distance, Joint, Limits, Prismatic, Revolute, Scene
 from plumbline.harness.trajectory import Floats, State
 from plumbline.harness.trajectory.joint_states import JointStates
 from plumbline.harness.trajectory.kinematics import rotate, rotate_back
@@ -200,6 +200,20 @@ class joint_reactions_without_weight(_Misread):
         for k, joint in enumerate(self.scene.joints):
             weightless[k, :3] += self.scene.body(joint.child).mass * np.asarray(self.scene.gravity)
         return weightless
+
+
+@fault("joint_reactions_bear_what_friction_holds", needs=_TOLD | Feature.FRICTION_LOSS)
+class friction_reversed_where_the_parent_hangs(_Misread):
+    """what dry friction bears is told with the other sign of joints whose parent hangs on their child"""
+
+    def reaction(self, reaction: Floats) -> Floats:
+        turned = reaction.copy()
+        held = [joint.child for joint in self.scene.joints if joint.parent == WORLD]
+        for k, joint in enumerate(self.scene.joints):
+            if isinstance(joint, Revolute) and joint.friction_loss and joint.parent != WORLD and joint.child in held:
+                axis = np.asarray(joint.axis_W)
+                turned[k, 3:] -= 2.0 * axis * (axis @ reaction[k, 3:])
+        return turned
 
 
 @fault("distance_joint_keeps_its_length", needs=Feature.DISTANCE)

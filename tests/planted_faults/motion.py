@@ -452,3 +452,10 @@ class lead_of_forces_too_long(Wrapped):
 def strong_damping_dropped(body: Body) -> Body:
     """damping of more than 100/s is left out"""
     return replace(body, linear_damping=0.0, angular_damping=0.0) if body.linear_damping > 100.0 else body
+
+
+@fault("strong_damping_brings_what_hangs_to_rest", needs=Feature.LINEAR_DAMPING | Feature.ANGULAR_DAMPING | Feature.REVOLUTE)
+def strong_damping_of_what_hangs_dropped(scene: Scene) -> Scene:
+    """damping of more than 100/s is left out of bodies that hang on a joint"""
+    hung = {joint.child for joint in scene.joints}
+    return replace(scene, bodies=tuple(strong_damping_dropped(b) if b.name in hung else b for b in scene.bodies))

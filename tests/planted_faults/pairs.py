@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 
 from plumbline.harness.adapter import Feature
-from plumbline.harness.scene import Distance, Joint, Limits, Prismatic, Revolute
+from plumbline.harness.adapter.rotations import conjugate
+from plumbline.harness.scene import Body, Distance, Joint, Limits, Prismatic, Revolute, Scene, multiply
 from plumbline.harness.trajectory import Floats, State
 from tests.planted_faults.fault import fault
 from tests.planted_faults.planting import Wrapped
@@ -42,6 +43,19 @@ def slide_limits_counted_from_zero(joint: Joint) -> Joint:
         return joint
     ends = [None if end is None else end + joint.position for end in (joint.limits.lower, joint.limits.upper)]
     return replace(joint, limits=Limits(lower=ends[0], upper=ends[1]))
+
+
+@fault("pair_parent_turned_and_child_turned", needs=_HINGE)
+def rotations_in_the_wrong_order(scene: Scene) -> Scene:
+    """the child's rotation in its parent is multiplied in the wrong order"""
+    turns = {body.name: body.q_WB for body in scene.bodies}
+    over = {joint.child: turns[joint.parent] for joint in scene.joints if joint.parent in turns}
+
+    def turned(body: Body) -> Body:
+        q_WP = over.get(body.name)
+        return body if q_WP is None else replace(body, q_WB=multiply(q_WP, multiply(body.q_WB, conjugate(q_WP))))
+
+    return replace(scene, bodies=tuple(turned(body) for body in scene.bodies))
 
 
 @fault("pair_hinge_and_uneven_steps", "pair_drive_and_uneven_steps", needs=_HINGE | Feature.STEP_LENGTHS | Feature.DRIVES)

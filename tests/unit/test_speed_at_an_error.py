@@ -10,7 +10,7 @@ from plumbline.harness.findings.selection.words import undecided_sentence
 from plumbline.harness.findings.speed import Speed, speeds
 from plumbline.harness.store.store import Store
 from tests.run_folder import LADDER
-from tests.selection_folder import Made, write_selection_folder
+from tests.selection_folder import STEPS, Made, write_selection_folder
 
 COARSEST = max(LADDER)
 
@@ -28,6 +28,17 @@ def test_between_two_steps_the_speed_is_that_of_the_error_asked_for(tmp_path: Pa
     assert found.times == pytest.approx(5.0, rel=1e-6)
     assert found.error == 1e-2
     assert found.step == ""
+
+
+def test_a_speed_between_two_steps_is_unstable_where_the_timing_of_either_was(tmp_path: Path) -> None:
+    """1 % lies between the finest step and 1/240 s; the coarsest has no part in it."""
+    for dt, unstable in zip(STEPS, (False, True, True), strict=True):
+        folder = write_selection_folder(tmp_path / f"{dt:.4f}", {"mujoco": Made(1.9, 0.1)}, 0, noise=0.0)
+        trials = pd.read_parquet(folder / "trials.parquet")
+        trials["unstable_timing"] |= (trials["dt"] / dt - 1).abs() < 1e-9
+        trials.to_parquet(folder / "trials.parquet", index=False)
+        found = speeds(Store(folder), 1e-2)["joint_pendulum", "mujoco", "tuned"]
+        assert (found.at_error, found.unstable) == (True, unstable), dt
 
 
 def test_where_no_step_errs_more_it_is_the_cheapest_run_and_says_so(tmp_path: Path) -> None:

@@ -38,7 +38,10 @@ def at_rest(case: Case, dt: float = 1 / 240, **parameters: Any) -> Trajectory:
         [0.0] * len(forces),
         [[0.0, 0.0, f] for _, _, f in forces],
     )
-    return replace(truth, dt=dt, contacts=(contacts,) * len(time))
+    # The other starts of a case that tells them end like the first.
+    names = [] if case.retellings is None else [told.name for told in case.retellings(case.at(**chosen))]
+    streams = {f"{name}/{stream}": array for name in names for stream, array in (("time", time), ("v_WB", truth.v_WB))}
+    return replace(truth, dt=dt, contacts=(contacts,) * len(time), streams=streams)
 
 
 def verdicts(case: Case, run: Trajectory) -> dict[str, bool]:
@@ -77,7 +80,7 @@ FAULTS: list[tuple[Case, Callable[[Trajectory, int], None], int, str]] = [
     (stack_mass_ratio.CASE, sink, 2, "stack_height_error"),
     (stack_mass_ratio.CASE, sway, 1, "rms_speed"),
     (stack_heavy_on_two.CASE, tip, 3, "collapse_time"),
-    (stack_heavy_on_two.CASE, sway, 1, "rms_speed"),
+    (stack_heavy_on_two.CASE, sway, 1, "settled_share_high"),
     (stack_pyramid.CASE, tip, 20, "collapse_time"),
     (stack_pyramid.CASE, sink, 12, "rest_drift"),
     (stack_pyramid.CASE, sway, 8, "rms_speed"),
@@ -98,7 +101,7 @@ def test_each_planted_fault_fails_its_own_check(
 
 
 def test_a_ground_that_bears_a_tenth_less_fails() -> None:
-    for case in (stack_mass_ratio.CASE, stack_heavy_on_two.CASE, stack_pyramid.CASE):
+    for case in (stack_mass_ratio.CASE, stack_pyramid.CASE):
         run = at_rest(case)
         assert run.contacts is not None
         light = replace(run.contacts[0], force_W=0.9 * run.contacts[0].force_W)

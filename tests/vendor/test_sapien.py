@@ -126,6 +126,66 @@ def test_contacts_tell_the_normal_part_of_a_force_alone() -> None:
     assert np.abs(force[:2]).max() < 1e-3
 
 
+def held(joint_limits: str) -> float:
+    """How far [m] a body falls in .3 s whose hinge, half a metre off its centre, is upright."""
+    scene, system = world(dt=1e-3)
+    body, entity = physx.PhysxRigidDynamicComponent(), sapien.Entity()
+    body.mass, body.inertia = 1.0, [0.1] * 3
+    entity.add_component(body)
+    entity.pose = sapien.Pose([0.5, 0.0, 0.0])
+    upright, along = [math.sqrt(0.5), 0.0, -math.sqrt(0.5), 0.0], sapien.Pose([1.0, 0.0, 0.0])
+    joints = [physx.PhysxDriveComponent(body) for _ in range(2 if joint_limits == "second point" else 1)]
+    for joint in joints:
+        joint.pose_in_parent, joint.pose_in_child = sapien.Pose([0.0] * 3, upright), sapien.Pose([-0.5, 0.0, 0.0], upright)
+        joint.set_limit_y(0.0, 0.0)
+        joint.set_limit_z(0.0, 0.0)
+    joints[0].set_limit_x(0.0, 0.0)
+    if joint_limits == "cone":
+        joints[0].set_limit_cone(0.0, 0.0)
+    elif joint_limits == "pyramid":
+        joints[0].set_limit_pyramid(0.0, 0.0, 0.0, 0.0)
+    elif joint_limits == "second point":
+        joints[1].pose_in_parent, joints[1].pose_in_child = joints[1].pose_in_parent * along, joints[1].pose_in_child * along
+    for joint in joints:
+        entity.add_component(joint)
+    scene.add_entity(entity)
+    for _ in range(300):
+        system.step()
+    return -float(entity.pose.p[2])
+
+
+def test_limits_of_swing_do_nothing_and_a_second_point_of_the_axis_holds() -> None:
+    free = held("none")
+    assert free > 0.2
+    assert held("cone") == free
+    assert held("pyramid") == free
+    assert abs(held("second point")) < 1e-4
+
+
+@pytest.mark.parametrize("tgs", [True, False])
+def test_a_joint_takes_the_turning_of_a_led_body_for_nought_under_pgs(tgs: bool) -> None:
+    scene, system = world((0.0, 0.0, 0.0), 1e-3, enable_tgs=tgs)
+    led, towed = physx.PhysxRigidDynamicComponent(), physx.PhysxRigidDynamicComponent()
+    put(scene, led, (0.0, 0.0, 0.0))
+    led.kinematic = True
+    entity = sapien.Entity()
+    entity.add_component(towed)
+    entity.pose = sapien.Pose([0.5, 0.0, 0.0])
+    joint = physx.PhysxDriveComponent(towed)
+    joint.parent, joint.pose_in_parent = led, sapien.Pose([0.5, 0.0, 0.0])
+    for lock in (joint.set_limit_x, joint.set_limit_y, joint.set_limit_z):
+        lock(0.0, 0.0)
+    entity.add_component(joint)
+    scene.add_entity(entity)
+    towed.set_linear_velocity([0.0, 0.5, 0.0])
+    for k in range(1, 4):
+        led.set_kinematic_target(sapien.Pose([0.0] * 3, [math.cos(k * 5e-4), 0.0, 0.0, math.sin(k * 5e-4)]))
+        system.step()
+    # At 1 rad/s half a metre out it ought to go on at .5 m/s.
+    assert towed.linear_velocity[1] == pytest.approx(0.5 if tgs else 0.0, abs=1e-4)
+    assert entity.pose.p[1] == pytest.approx(1.5e-3 if tgs else 1e-3, abs=1e-5)
+
+
 def driven(articulated: bool) -> float:
     """Speed [m/s] of 2 kg after 0.3 s on a slide whose drive is 8 (0.5 - v) N."""
     scene, system = world((0.0, 0.0, 0.0), 1e-3)

@@ -7,7 +7,7 @@ import numpy as np
 
 from plumbline.harness.adapter import Adapter, Feature, Settings, Simulation
 from plumbline.harness.adapter.joints import joints_of
-from plumbline.harness.conformance.check import Finding, NotApplicable, check, judge, near, that
+from plumbline.harness.conformance.check import Comparison, Finding, NotApplicable, check, judge, near, that
 from plumbline.harness.conformance.runs import FINE, ROUNDING, built, state_of
 from plumbline.harness.conformance.scenes import TURNED, G, floor, free, ground
 from plumbline.harness.scene import WORLD, Ball, Fixed, PlacedShape, Prismatic, Revolute, Scene, Sphere, Spring, Vector3
@@ -137,6 +137,38 @@ def joint_reactions_bear_what_hangs(adapter: Adapter, settings: Settings) -> Fin
         near("force and torque of the weld on the bracket [N, N m]", told[0], weld, _SETTLED * G, "weight times arm"),
         near("force and torque of the hinge on the boom [N, N m]", told[1], hinge, _SETTLED * G, "weight times arm"),
     )
+
+
+@check(
+    "Is what dry friction bears in what the engine tells of a joint, whichever of its bodies hangs on the other?",
+    Feature.REVOLUTE | Feature.FIXED | Feature.FRICTION_LOSS,
+)
+def joint_reactions_bear_what_friction_holds(adapter: Adapter, settings: Settings) -> Finding:
+    """A bracket welded to the wall with a boom on a hinge that dry friction holds level, told from either end.
+
+    A soft friction gives way until it bears all of the moment, by e for each 3 ms or so: a tenth of a second is e^-30.
+    """
+    bracket, boom = free("bracket", mass=2.0, p=(0.5, 0.0, 1.0)), free("boom", mass=1.0, p=(1.4, 0.2, 1.0), q=TURNED)
+    moment, comparisons = 1.0 * G * 0.4, list[Comparison]()
+    hinge = np.array((0.0, 0.0, 1.0 * G, 0.2 * 1.0 * G, -moment, 0.0))
+    for parent, child, sign in (("bracket", "boom", 1.0), ("boom", "bracket", -1.0)):
+        joints = (
+            Fixed(name="weld", parent=WORLD, child="bracket"),
+            Revolute(
+                name="hinge", parent=parent, child=child, anchor_W=(1.0, 0.0, 1.0), axis_W=(0.0, 1.0, 0.0), friction_loss=8.0
+            ),
+        )
+        reactions = _reactions(adapter, Scene(bodies=(bracket, boom), joints=joints), settings.with_dt(FINE), 100)
+        comparisons.append(
+            near(
+                f"force and torque of the hinge on the {child} [N, N m]",
+                reactions[1],
+                sign * hinge,
+                _SETTLED * G,
+                "weight times arm",
+            )
+        )
+    return judge(*comparisons)
 
 
 @check("Does what a joint carries hold a swinging body in its circle, beside its weight?", Feature.REVOLUTE)

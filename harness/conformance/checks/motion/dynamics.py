@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from plumbline.harness.adapter import Adapter, Feature, Settings, SettingsError
+from plumbline.harness.adapter import Adapter, Feature, Settings, SettingsError, Unsupported
 from plumbline.harness.conformance.check import Finding, NotApplicable, check, judge, near
 from plumbline.harness.conformance.exact import angle_between, turning
 from plumbline.harness.conformance.runs import COARSE, FINE, ROUNDING, built, final, record, state_of
 from plumbline.harness.conformance.scenes import TURNED, G, block, damped, free, on_ground, without_gravity
-from plumbline.harness.scene import Scene, axis_angle
+from plumbline.harness.scene import WORLD, Revolute, Scene, axis_angle
 
 
 def _fall(adapter: Adapter, settings: Settings, gravity: tuple[float, float, float]) -> Finding:
@@ -296,6 +296,26 @@ def strong_damping_brings_to_rest(adapter: Adapter, settings: Settings) -> Findi
     """
     body = damped(free(v=(1.0, -2.0, 3.0), w=(3.0, 1.0, -2.0)), linear=600.0, angular=600.0)
     end = final(adapter, without_gravity(body), settings.with_dt(COARSE), 0.2)
+    return judge(
+        near("velocity [m/s]", end.v_WB[0], (0.0, 0.0, 0.0), 1e-6, "e^(-120); .65 a step leaves 1e-9"),
+        near("angular velocity [rad/s]", end.w_WB[0], (0.0, 0.0, 0.0), 1e-6, "the same"),
+    )
+
+
+@check(
+    "Does a strong damping bring what hangs on a joint to rest?",
+    Feature.LINEAR_DAMPING | Feature.ANGULAR_DAMPING | Feature.REVOLUTE,
+)
+def strong_damping_brings_what_hangs_to_rest(adapter: Adapter, settings: Settings) -> Finding:
+    """The same about a hinge: engines damp what hangs by other code than what is free."""
+    pivot, spin = np.array((0.2, -0.1, 0.4)), 3.0 * np.array((0.6, 0.0, 0.8))
+    v, w = (tuple(float(x) for x in vector) for vector in (-np.cross(spin, pivot), spin))
+    body = damped(free(v=v, w=w), linear=600.0, angular=600.0)  # type: ignore[arg-type]  # three each
+    hinge = Revolute(name="hinge", parent=WORLD, child=body.name, anchor_W=(0.2, -0.1, 0.4), axis_W=(0.6, 0.0, 0.8))
+    try:
+        end = final(adapter, replace(without_gravity(body), joints=(hinge,)), settings.with_dt(COARSE), 0.2)
+    except Unsupported as refusal:
+        raise NotApplicable(f"the engine damps nothing that hangs: {refusal}") from refusal
     return judge(
         near("velocity [m/s]", end.v_WB[0], (0.0, 0.0, 0.0), 1e-6, "e^(-120); .65 a step leaves 1e-9"),
         near("angular velocity [rad/s]", end.w_WB[0], (0.0, 0.0, 0.0), 1e-6, "the same"),

@@ -224,7 +224,12 @@ def rays_see_the_present_state(adapter: Adapter, settings: Settings) -> Finding:
 
 @check("Do rays meet a shape that is turned on its body where the body has turned to?", Feature.RAYS | Feature.BOX, firm=True)
 def rays_meet_turned_shapes_of_a_body_that_turns(adapter: Adapter, settings: Settings) -> Finding:
-    """A box placed and turned on a body that flies and turns, before any step and after five, against its closed form."""
+    """A box placed and turned on a body that flies and turns, before any step and after five, against its closed form.
+
+    A cast that advances until it is within a millimetre of a convex shape (Bullet's: btGjkConvexCast.cpp, `radius`) ends up to
+    that short of the surface along its normal, and short of the hit by that over the cosine of incidence. A step takes a
+    surface by 10 mm and more.
+    """
     shape, p_BS, q_BS = Box(half_extents=(0.3, 0.5, 0.8)), (0.2, -0.1, 0.3), axis_angle((1.0, 2.0, -2.0), 1.3)
     body = replace(
         free(q=TURNED, v=(1.0, -2.0, 0.5), w=(3.0, -4.0, 5.0)),
@@ -239,17 +244,25 @@ def rays_meet_turned_shapes_of_a_body_that_turns(adapter: Adapter, settings: Set
             R_WB = rotation(state.q_WB[0])
             R_WS, p_WS = R_WB @ rotation(q_BS), state.p_WB[0] + R_WB @ p_BS
             hits = simulation.cast(np.ascontiguousarray(p_WS + origins), directions, 50.0)
-            rays = zip(origins @ R_WS, directions @ R_WS, strict=True)
-            expected = np.array([first_hit(shape, o, d) for o, d in rays])
+            o_S, d_S = origins @ R_WS, directions @ R_WS
+            expected = np.array([first_hit(shape, o, d) for o, d in zip(o_S, d_S, strict=True)])
             both = np.isfinite(expected) & np.isfinite(hits.distance)
+            where_S = (o_S[both] + expected[both, None] * d_S[both]) / np.array(shape.half_extents)
+            cosine = np.abs(np.take_along_axis(d_S[both], np.argmax(np.abs(where_S), axis=1)[:, None], axis=1)[:, 0])
             odd = int((np.isfinite(expected) != np.isfinite(hits.distance)).sum())
-            worst = float(np.abs(hits.distance[both] - expected[both]).max(initial=0.0))
+            worst = float((np.abs(hits.distance[both] - expected[both]) * cosine).max(initial=0.0))
             comparisons += [
                 that(
                     odd <= 1,
                     f"after {count} steps: got {odd} of 100 rays that hit or miss wrongly, expected 1 at most, grazing",
                 ),
-                near(f"worst range error after {count} steps [m]", worst, 0.0, 2e-3, "convex casts at grazing incidence"),
+                near(
+                    f"worst error after {count} steps, along the normal [m]",
+                    worst,
+                    0.0,
+                    1e-3 + 1e-5,
+                    "what a convex cast stops short by, and rounding in single precision",
+                ),
             ]
     return judge(*comparisons)
 

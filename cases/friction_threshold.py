@@ -96,15 +96,12 @@ def expected(time: Floats, p: P) -> Trajectory:
     return truth
 
 
-CASE = Case(
-    name="friction_threshold",
+CASE = Case.of(
+    globals(),
     title="The angle of friction",
     question="At which angle does a box begin to slide, how fast does it slide beyond, and does it stay put below?",
     source="Meriam and Kraige, Engineering Mechanics: Statics, 7th ed., section 6/3",
     truth="closed form",
-    scene=scene,
-    expected=expected,
-    parameters=P(),
     duration=DURATION,
     with_contacts=True,
     checks=(

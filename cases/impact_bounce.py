@@ -102,15 +102,12 @@ HEIGHT = (
     "lowers the rebound of a spring that takes T = 10 dt by T/(3 t0)"
 )
 
-CASE = Case(
-    name="impact_bounce",
+CASE = Case.of(
+    globals(),
     title="Bouncing balls",
     question="Does a ball come back with the restitution asked for, on time, until it rests, and never higher than before?",
     source="Stronge, Impact Mechanics, 2nd ed.",
     truth="closed form",
-    scene=scene,
-    expected=expected,
-    parameters=P(),
     duration=DURATION,
     # Short hops need three samples to be seen.
     sample_interval=SAMPLE,

@@ -6,7 +6,7 @@ import numpy as np
 from annotated_types import Interval
 
 from plumbline.harness.case import Case, Check, Parameters, Positive
-from plumbline.harness.case.bounds import G, stays_finite
+from plumbline.harness.case.bounds import G
 from plumbline.harness.metrics import energy, errors, joints
 from plumbline.harness.scene import WORLD, Ball, Body, Scene
 from plumbline.harness.trajectory import Floats, Trajectory
@@ -32,7 +32,7 @@ def _turn(axis: int, angle: Floats) -> Floats:
     return q
 
 
-def _expected(time: Floats, p: P) -> Trajectory:
+def expected(time: Floats, p: P) -> Trajectory:
     """The whole pendulum turns about the vertical like one rigid body."""
     truth = Trajectory.of(time, 1)
     theta, w = np.radians(p.tilt), rate(p.tilt, p.length)
@@ -45,9 +45,9 @@ def _expected(time: Floats, p: P) -> Trajectory:
     return truth
 
 
-def _scene(p: P) -> Scene:
+def scene(p: P) -> Scene:
     """A ball on a massless rod of `length` [m] on a ball joint at the origin, `tilt` [degrees] from hanging, on its circle."""
-    start = _expected(np.zeros(1), p)
+    start = expected(np.zeros(1), p)
     bob = Body.ball(
         "bob",
         RADIUS,
@@ -77,20 +77,16 @@ def _position(dt: float, p: P) -> float:
     return out * _radius(dt, p) * (1 + rate(p.tilt, p.length) * DURATION)
 
 
-CASE = Case(
-    name="joint_conical_pendulum",
+CASE = Case.of(
+    globals(),
     title="Conical pendulum",
     question="Does a pendulum on a ball joint keep going round on its circle?",
     source="Landau, Lifshitz, Mechanics, 3rd ed., section 14, problem 1: w^2 = g/(l cos(theta))",
     truth="closed form",
-    scene=_scene,
-    expected=_expected,
     duration=DURATION,
-    parameters=P(),
     headline=errors.radius_error_max.name,
     converges="smoothly",
     checks=(
-        stays_finite("a circle never diverges"),
         Check(
             errors.radius_error_max,
             _radius,

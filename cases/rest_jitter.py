@@ -30,15 +30,12 @@ def scene(p: P) -> Scene:
 
 expected = resting(scene)
 
-CASE = Case(
-    name="rest_jitter",
+CASE = Case.of(
+    globals(),
     title="Standing still",
     question="Does what should rest, rest?",
     source="statics: each box in equilibrium under its weight and the forces of its neighbours",
     truth="rest",
-    scene=scene,
-    expected=expected,
-    parameters=P(),
     duration=DURATION,
     # Every step: a jitter from step to step is invisible, or takes the look of a slow one, between samples further apart.
     sample_interval=0.0,

@@ -56,15 +56,12 @@ def scene(p: P) -> Scene:
 
 expected = resting(scene)
 
-CASE = Case(
-    name="rest_penetration",
+CASE = Case.of(
+    globals(),
     title="One body at rest",
     question="How deep does a body at rest sink into the ground, and does the ground bear just its weight?",
     source="statics: a rigid body on a rigid plane neither sinks nor moves; its support equals its weight",
     truth="rest",
-    scene=scene,
-    expected=expected,
-    parameters=P(),
     duration=DURATION,
     # Every step: a body that sinks by its first step's fall is deepest then.
     sample_interval=0.0,

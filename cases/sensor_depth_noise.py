@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from plumbline.harness.case import Case, Check, NotNegative, Parameters
-from plumbline.harness.case.bounds import SINGLE, stays_finite
+from plumbline.harness.case.bounds import SINGLE
 from plumbline.harness.metrics import depth_noise, pictures
 from plumbline.harness.scene import (
     Appearance,
@@ -80,7 +80,7 @@ def _camera(name: str, noise: DepthNoise) -> DepthCamera:
     )
 
 
-def _scene(p: P) -> Scene:
+def scene(p: P) -> Scene:
     """A floor, a wall with a mirror, a pane of glass and a black panel on it, a block before them; a low sun from behind."""
     pale = Appearance(reflectivity=0.8)
     on_wall = Box(half_extents=(0.05, 0.6, 0.5))
@@ -98,36 +98,32 @@ def _scene(p: P) -> Scene:
     return Scene(bodies=bodies, sensors=cameras, gravity=(0.0, 0.0, 0.0), sun=sun)
 
 
-def _expected(time: Floats, p: P) -> Trajectory:
+def expected(time: Floats, p: P) -> Trajectory:
     """Nothing moves; the ideal depths, and what each principle cannot see, by closed-form rays."""
-    scene = _scene(p)
-    truth = at_rest(scene, time)
+    stage = scene(p)
+    truth = at_rest(stage, time)
     stamps = stamps_up_to(float(truth.time[-1]), RATE) if len(truth) else truth.time
     streams: dict[str, Floats] = {}
-    for camera in scene.sensors:
+    for camera in stage.sensors:
         assert isinstance(camera, DepthCamera)
-        streams |= true_frames(scene, camera, stamps)
+        streams |= true_frames(stage, camera, stamps)
     return replace(truth, streams=streams)
 
 
 WITHIN = "five standard deviations: a false alarm in 6 of 10 million runs"
 
-CASE = Case(
-    name="sensor_depth_noise",
+CASE = Case.of(
+    globals(),
     title="Noise of depth cameras",
     question="Have depths by stereo, structured light and time of flight the noise, steps and gaps of their principle?",
     source="Khoshelham, Elberink, Sensors 12 (2012) 1437; Gallup et al., CVPR 2008; Hansard et al., Time-of-Flight Cameras",
     truth="statistics",
-    scene=_scene,
-    expected=_expected,
     duration=DURATION,
-    parameters=P(),
     sample_interval=0.1,
     # What is seen does not depend on the time step: one is enough.
     ladder=(1 / 240,),
     headline=pictures.depth_error_max.name,
     checks=(
-        stays_finite("nothing moves, so nothing can grow"),
         Check(
             pictures.depth_error_max,
             8 * SINGLE * FAR / GRAZING,

@@ -34,15 +34,12 @@ def scene(p: P) -> Scene:
 
 expected = resting(scene)
 
-CASE = Case(
-    name="stack_mass_ratio",
+CASE = Case.of(
+    globals(),
     title="Heavy on light",
     question="Does a light box bear one that is a thousand times heavier, and bear it still?",
     source="statics: the ground bears both weights, the light box the heavy one's; nothing moves, whatever the ratio",
     truth="rest",
-    scene=scene,
-    expected=expected,
-    parameters=P(),
     duration=DURATION,
     with_contacts=True,
     steady=SETTLED,

@@ -27,15 +27,12 @@ def scene(p: P) -> Scene:
 
 expected = resting(scene)
 
-CASE = Case(
-    name="stack_ten_minutes",
+CASE = Case.of(
+    globals(),
     title="A tower for ten minutes",
     question="Does a small tower stand for ten minutes without creeping away, sinking in or coming to life?",
     source="statics: nothing moves, however long one looks",
     truth="rest",
-    scene=scene,
-    expected=expected,
-    parameters=P(),
     duration=DURATION,
     sample_interval=0.5,
     # Ten minutes at the finer steps of other cases would cost more than all of those together.

@@ -27,15 +27,12 @@ def scene(p: P) -> Scene:
 
 expected = resting(scene)
 
-CASE = Case(
-    name="stack_tower",
+CASE = Case.of(
+    globals(),
     title="A tower of boxes",
     question="Does a tower of n boxes stand, keep its height, come to rest and bear n weights on the ground?",
     source="statics: box k bears the weight of the n - k above it; the ground bears n m g",
     truth="rest",
-    scene=scene,
-    expected=expected,
-    parameters=P(),
     duration=DURATION,
     with_contacts=True,
     steady=STEADY,

@@ -38,15 +38,12 @@ def scene(p: P) -> Scene:
 
 expected = resting(scene)
 
-CASE = Case(
-    name="stand_humanoid",
+CASE = Case.of(
+    globals(),
     title="Standing humanoid",
     question="Does a humanoid on PD drives stand still, or why does it tremble?",
     source="statics: drives whose targets make up for the weight; each part of a machine in equilibrium",
     truth="rest",
-    scene=scene,
-    expected=expected,
-    parameters=P(),
     duration=DURATION,
     # Every step: a tremble from step to step is invisible, or takes the look of a slow one, between samples further apart.
     sample_interval=0.0,

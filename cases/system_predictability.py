@@ -8,7 +8,7 @@ than the start decides in its place.
 import numpy as np
 
 from plumbline.harness.case import Axis, Case, Check, FloatCount, Parameters, Positive
-from plumbline.harness.case.bounds import G, stays_finite
+from plumbline.harness.case.bounds import G
 from plumbline.harness.metrics import balance
 from plumbline.harness.scene import Body, Scene, Sphere, Surface
 from plumbline.harness.trajectory import Floats, Trajectory
@@ -91,20 +91,16 @@ def expected(time: Floats, p: P) -> Trajectory:
     return truth
 
 
-CASE = Case(
-    name="system_predictability",
+CASE = Case.of(
+    globals(),
     title="On the edge",
     question="How small a difference at the start does an engine carry through to the outcome?",
     source="Landau, Lifshitz, Mechanics, 3rd ed., section 38 (rolling); Ott, Chaos in Dynamical Systems, 2nd ed., section 4.4",
     truth="closed form",
-    scene=scene,
-    expected=expected,
-    parameters=P(),
     duration=DURATION,
     ladder=(1 / 60, 1 / 90, 1 / 120, 1 / 240, 1 / 480, 1 / 960),
     hard=Axis(parameter="nearest", unit="rad", easy=1e-4, extreme=1e-15),
     checks=(
-        stays_finite("balls that roll off fall, nothing more"),
         Check(
             balance.growth_exponent_error,
             lambda dt, _: EXPONENT * dt,

@@ -72,15 +72,12 @@ def expected(time: Floats, p: P) -> Trajectory:
     return truth
 
 
-CASE = Case(
-    name="tunnel_sphere_wall",
+CASE = Case.of(
+    globals(),
     title="Spheres shot at a thin wall",
     question="With what probability does a fast sphere get through a thin wall, and how deep is it left if it does not?",
     source="Ericson, Real-Time Collision Detection, section 2.4.3",
     truth="closed form",
-    scene=scene,
-    expected=expected,
-    parameters=P(),
     duration=DURATION,
     hard=Axis(parameter="speed", unit="m/s", easy=1, extreme=500, lost=0.0),
     checks=(

@@ -13,6 +13,7 @@ from pydantic import TypeAdapter, ValidationError
 from plumbline.harness.case.forces import Control
 from plumbline.harness.case.symmetries import Retelling
 from plumbline.harness.metric import Metric
+from plumbline.harness.metrics.divergence import divergence
 from plumbline.harness.scene import Scene
 from plumbline.harness.trajectory import Floats, Trajectory
 
@@ -242,6 +243,18 @@ class Case:
     undropped: Scene | None = None
     insists: Mapping[str, str] = field(default_factory=dict)
     eased: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, module: Mapping[str, Any], **fields: Any) -> Self:
+        """The case that a file is: its name, its parameters those of its class `P`, and its functions by their names, `scene`,
+        `expected`, `control`, `retellings` and `rays`. Every state has to be finite, whatever else is checked.
+
+        Args: module: the file's `globals()`. fields: all else that a case states.
+        """
+        own = {name: module[name] for name in ("scene", "expected", "control", "retellings", "rays") if name in module}
+        own |= {"name": module["__name__"].rpartition(".")[2], "parameters": module.get("P", Parameters)()}
+        finite = Check(divergence, 0.0, "every number of every sampled state has to be finite")
+        return cls(**{**own, **fields, "checks": (finite, *fields["checks"])})
 
     def count_of_worlds(self, parameters: Mapping[str, Any]) -> int:
         """How many worlds are stepped together."""

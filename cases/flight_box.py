@@ -46,7 +46,6 @@ CASE = Case.of(
     source="x = v0 t + g t^2/2; Euler's equations about a principal axis: w constant",
     truth="closed form",
     duration=DURATION,
-    headline=errors.position_error_max.name,
     converges="smoothly",
     checks=(
         Check(

@@ -62,7 +62,6 @@ CASE = Case.of(
     headline=errors.velocity_error_max.name,
     converges="once",
     scale=SPEED,
-    with_contacts=True,
     checks=(
         Check(
             errors.velocity_error_final,

@@ -56,9 +56,7 @@ CASE = Case.of(
     source="Coulomb's law: at tan(angle) < mu a box at rest stays",
     truth="rest",
     duration=DURATION,
-    headline=slide.creep_speed.name,
     scale=1e-3,
-    with_contacts=True,
     checks=(
         Check(
             slide.creep_speed,

@@ -86,7 +86,6 @@ CASE = Case.of(
     source="Stewart, SIAM Review 42 (2000) 3",
     truth="closed form",
     duration=0.75,
-    with_contacts=True,
     checks=(
         Check(
             polar_spread,
@@ -109,5 +108,4 @@ CASE = Case.of(
         *forces_obey_coulomb(),
     ),
     observe=(centre_rise,),
-    headline="polar_spread",
 )

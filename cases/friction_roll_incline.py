@@ -76,9 +76,7 @@ CASE = Case.of(
     source="Meriam and Kraige, Engineering Mechanics: Dynamics, 7th ed., section 6/5",
     truth="closed form",
     duration=DURATION,
-    headline=errors.velocity_error_max.name,
     converges="once",
-    with_contacts=True,
     checks=(
         Check(
             errors.velocity_error_max,

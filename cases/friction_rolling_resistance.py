@@ -88,7 +88,6 @@ CASE = Case.of(
     duration=ByParameters(lasting),
     headline=errors.position_error_max.name,
     converges="once",
-    with_contacts=True,
     checks=(
         Check(
             errors.velocity_error_max,

@@ -76,10 +76,8 @@ CASE = Case.of(
     "248302, for the disc; four feet by hand",
     truth="closed form",
     duration=DURATION,
-    headline=errors.angular_velocity_error_max.name,
     converges="once",
     scale=SPIN,
-    with_contacts=True,
     checks=(
         Check(
             errors.angular_velocity_error_max,

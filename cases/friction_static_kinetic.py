@@ -110,9 +110,7 @@ CASE = Case.of(
     source="Rabinowicz, Friction and Wear of Materials, 2nd ed., section 4.10: stick-slip of a spring-drawn slider",
     truth="closed form",
     duration=DURATION,
-    headline=position_error_max.name,
     converges="once",
-    with_contacts=True,
     checks=(
         Check(
             position_error_max,

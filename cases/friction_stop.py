@@ -63,7 +63,6 @@ CASE = Case.of(
     truth="closed form",
     duration=ByParameters(lambda p: 1.5 * stretch(p)),
     sample_interval=1 / 240,
-    with_contacts=True,
     checks=(
         Check(
             slide.stop_distance_error,
@@ -92,6 +91,5 @@ CASE = Case.of(
         forces_keep_momentum(),
         *forces_obey_coulomb(),
     ),
-    headline="stop_distance_error",
     converges="once",
 )

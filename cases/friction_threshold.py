@@ -103,7 +103,6 @@ CASE = Case.of(
     source="Meriam and Kraige, Engineering Mechanics: Statics, 7th ed., section 6/3",
     truth="closed form",
     duration=DURATION,
-    with_contacts=True,
     checks=(
         Check(
             statics.threshold_angle_error,

@@ -85,10 +85,8 @@ CASE = Case.of(
     source="Weltner, Stable circular orbits of freely moving balls on rotating discs, Am. J. Phys. 47 (1979) 984",
     truth="closed form",
     duration=DURATION,
-    headline=position_error_max.name,
     converges="once",
     scale=START,
-    with_contacts=True,
     checks=(
         Check(
             position_error_max,

@@ -72,7 +72,6 @@ CASE = Case.of(
     hard=Axis(parameter="push", unit="1", easy=2.0, extreme=2e4, lost=0.1),
     headline=errors.position_error_max.name,
     converges="once",
-    with_contacts=True,
     checks=(
         Check(errors.velocity_error_max, _speed, "a first step without a contact is a step of free fall, taken twice"),
         Check(

@@ -11,7 +11,7 @@ import numpy as np
 
 from plumbline.harness.case import Case, Check, Parameters, Positive
 from plumbline.harness.case.bounds import SPRING_STEPS, G, forces_keep_momentum
-from plumbline.harness.metrics.restitution import (
+from plumbline.harness.metrics.impacts import (
     HOP,
     bounce_gain,
     bounce_height_error,
@@ -111,7 +111,6 @@ CASE = Case.of(
     duration=DURATION,
     # Short hops need three samples to be seen.
     sample_interval=SAMPLE,
-    with_contacts=True,
     checks=(
         Check(bounce_height_error, _height, f"{HEIGHT}; t0 is the time of fall"),
         Check(
@@ -138,6 +137,5 @@ CASE = Case.of(
         forces_keep_momentum(),
     ),
     observe=(restitution_error, later_restitution_error),
-    headline="bounce_height_error",
     converges="once",
 )

@@ -9,8 +9,8 @@ import math
 import numpy as np
 
 from plumbline.harness.case import Axis, Case, Check, FloatCount, Parameters
-from plumbline.harness.metrics import momentum, overlaps
-from plumbline.harness.metrics.energy import energy_drift_final, energy_growth_rate
+from plumbline.harness.metrics import conservation, overlaps
+from plumbline.harness.metrics.conservation import energy_drift_final, energy_growth_rate
 from plumbline.harness.scene import Body, Box, PlacedShape, Scene, Surface, principal_inertia
 from plumbline.harness.trajectory import Floats
 
@@ -101,12 +101,12 @@ CASE = Case.of(
     checks=(
         Check(overlaps.escaped_share, 0.0, "walls keep the gas in; what ignores them would keep all three sums too"),
         Check(
-            momentum.momentum_drift_max,
+            conservation.momentum_drift_max,
             lambda _, p: 1e-6 * p.edge**3 * MASS * p.speed,
             "an impact gives to one what it takes from the other; 1e-6 of all momentum there is, single precision",
         ),
         Check(
-            momentum.angular_momentum_drift_max,
+            conservation.angular_momentum_drift_max,
             1e-6,
             "an impact acts along one line on both, with equal arms; 1e-6 for single precision. What moves spheres "
             "apart without an impulse shifts momentum aside",

@@ -136,7 +136,6 @@ CASE = Case.of(
     source="Stronge, Impact Mechanics, 2nd ed., section 3.2; Maw, Barber, Fawcett, Wear 38 (1976) 101 (rigid limit)",
     truth="closed form",
     duration=DURATION,
-    with_contacts=True,
     sample_interval=0.0,
     checks=(
         Check(velocity_error_final, _bound(0), ARM),
@@ -150,6 +149,5 @@ CASE = Case.of(
         ),
         forces_keep_momentum(),
     ),
-    headline=velocity_error_final.name,
     scale=APPROACH,
 )

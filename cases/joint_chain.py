@@ -7,7 +7,7 @@ import numpy as np
 from plumbline.harness.case import Axis, Case, Check, Converged, FloatCount, Parameters, Positive
 from plumbline.harness.case.bounds import G
 from plumbline.harness.metrics import errors, joints
-from plumbline.harness.metrics.energy import energy_drift_max, energy_drift_staggered_max
+from plumbline.harness.metrics.conservation import energy_drift_max, energy_drift_staggered_max
 from plumbline.harness.scene import WORLD, Body, Effect, Revolute, Scene, box_inertia
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.truths.first_order import true_motion
@@ -140,7 +140,6 @@ CASE = Case.of(
     truth="converged reference",
     duration=DURATION,
     hard=Axis(parameter="n", unit="1", easy=1, extreme=64, lost=0.1),
-    headline=errors.position_error_max.name,
     converges="smoothly",
     checks=(
         Check(errors.position_error_max, lambda dt, p: 2 * first_order(p)[0] * dt, WHY),

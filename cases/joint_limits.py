@@ -95,7 +95,6 @@ CASE = Case.of(
     truth="closed form",
     duration=DURATION,
     sample_interval=1 / 240,
-    headline=joints.limit_overshoot_max.name,
     checks=(
         Check(
             joints.limit_overshoot_max,

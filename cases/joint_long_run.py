@@ -4,7 +4,7 @@ import numpy as np
 
 from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.case.bounds import G
-from plumbline.harness.metrics import energy, joints
+from plumbline.harness.metrics import conservation, joints
 from plumbline.harness.scene import WORLD, Body, Effect, Revolute, Scene, box_inertia
 from plumbline.harness.trajectory import Floats
 
@@ -59,21 +59,21 @@ CASE = Case.of(
     dt=1 / 1000,
     # A million steps belong to the case's own step; over the ladder the thousand seconds take 20 000 to 120 000.
     ladder=(1 / 20, 1 / 30, 1 / 45, 1 / 60, 1 / 90, 1 / 120),
-    headline=energy.energy_growth_rate.name,
+    headline=conservation.energy_growth_rate.name,
     checks=(
         Check(
-            energy.energy_drift_max,
+            conservation.energy_drift_max,
             _swing,
             "position and velocity half a step apart make an energy that swings by (w0/2) dt, taken twice, and a "
             "hinge's gap adds its height. Neither grows with the length of the run",
         ),
         Check(
-            energy.energy_growth_rate,
+            conservation.energy_growth_rate,
             lambda dt, p: _swing(dt, p) / DURATION,
             "what only swings has no trend beyond its swing over the length of the run. A damping of 1e-3/s would lose "
             "the energy of half an hour's motion in this run",
         ),
         Check(joints.joint_gap_max, _gap, "as in a short run: five steps' departure along the tangent"),
     ),
-    observe=(energy.energy_drift_final, energy.energy_drift_staggered_max, joints.joint_gap_final),
+    observe=(conservation.energy_drift_final, conservation.energy_drift_staggered_max, joints.joint_gap_final),
 )

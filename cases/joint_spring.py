@@ -103,7 +103,6 @@ CASE = Case.of(
     truth="closed form",
     duration=DURATION,
     hard=Axis(parameter="rate", unit="rad/s", easy=6.0, extreme=6e4, lost=1.0),
-    headline=errors.position_error_max.name,
     converges="smoothly",
     scale=STRETCH,
     checks=(

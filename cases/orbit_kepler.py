@@ -137,7 +137,6 @@ CASE = Case.of(
     truth="closed form",
     duration=PERIODS * PERIOD_TIME,
     ladder=(1 / 60, 1 / 90, 1 / 120, 1 / 180, 1 / 240, 1 / 480),
-    headline=orbit.phase_error.name,
     checks=tuple(_check(metric) for metric in CHECKED),
     observe=(
         orbit.orbit_energy_drift_staggered_max,

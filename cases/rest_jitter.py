@@ -39,7 +39,6 @@ CASE = Case.of(
     duration=DURATION,
     # Every step: a jitter from step to step is invisible, or takes the look of a slow one, between samples further apart.
     sample_interval=0.0,
-    with_contacts=True,
     checks=(
         Check(
             jitter.rms_speed,
@@ -81,6 +80,5 @@ CASE = Case.of(
         ),
     ),
     observe=(contacts.penetration,),
-    headline="rms_speed",
     scale=G / 240,
 )

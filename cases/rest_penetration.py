@@ -2,7 +2,7 @@
 
 from plumbline.harness.case import Case, Check, NotNegative, Parameters
 from plumbline.harness.case.bounds import GIVE, G, bears, settled_speed, supported
-from plumbline.harness.metrics import contact_residuals, contacts, jitter
+from plumbline.harness.metrics import contacts, jitter
 from plumbline.harness.scene import (
     Body,
     Box,
@@ -65,7 +65,6 @@ CASE = Case.of(
     duration=DURATION,
     # Every step: a body that sinks by its first step's fall is deepest then.
     sample_interval=0.0,
-    with_contacts=True,
     steady=SETTLED,
     checks=(
         bears("the body"),
@@ -79,11 +78,10 @@ CASE = Case.of(
     ),
     observe=(
         contacts.reported_penetration,
-        contact_residuals.signorini_residual,
-        contact_residuals.cone_residual,
-        contact_residuals.dissipation_residual,
+        contacts.signorini_residual,
+        contacts.cone_residual,
+        contacts.dissipation_residual,
     ),
     insists={"friction": "nothing pushes sideways; under an engine's own noise friction is what keeps a body in its place"},
-    headline=contacts.penetration.name,
     scale=HALF,
 )

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from plumbline.harness.case import Case, Check, Parameters
-from plumbline.harness.metrics.pictures import colour_error_max, colour_error_median, silhouette_iou
+from plumbline.harness.metrics.cameras import colour_error_max, colour_error_median, silhouette_iou
 from plumbline.harness.scene import Appearance, Body, Box, Camera, PlacedShape, Scene, Sphere, Sun, Vector3, axis_angle
 from plumbline.harness.sensors.rays import first_hits
 from plumbline.harness.sensors.sight import Sight
@@ -148,7 +148,6 @@ CASE = Case.of(
     sample_interval=0.05,
     # What is seen does not depend on the time step: one is enough.
     ladder=(1 / 240,),
-    headline=colour_error_max.name,
     checks=(
         Check(
             colour_error_max,

@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 from plumbline.harness.case import Case, Check, Parameters
-from plumbline.harness.metrics.pictures import depth_error_max, depth_error_median, depth_error_rms, pixel_error, silhouette_iou
+from plumbline.harness.metrics.cameras import depth_error_max, depth_error_median, depth_error_rms, pixel_error, silhouette_iou
 from plumbline.harness.scene import (
     Appearance,
     Body,
@@ -94,7 +94,6 @@ CASE = Case.of(
     sample_interval=0.05,
     # What is seen does not depend on the time step: one is enough.
     ladder=(1 / 240,),
-    headline=pixel_error.name,
     checks=(
         Check(
             pixel_error,

@@ -6,7 +6,7 @@ import numpy as np
 
 from plumbline.harness.case import Case, Check, NotNegative, Parameters
 from plumbline.harness.case.bounds import SINGLE
-from plumbline.harness.metrics import depth_noise, pictures
+from plumbline.harness.metrics import cameras
 from plumbline.harness.scene import (
     Appearance,
     Body,
@@ -122,34 +122,33 @@ CASE = Case.of(
     sample_interval=0.1,
     # What is seen does not depend on the time step: one is enough.
     ladder=(1 / 240,),
-    headline=pictures.depth_error_max.name,
     checks=(
         Check(
-            pictures.depth_error_max,
+            cameras.depth_error_max,
             8 * SINGLE * FAR / GRAZING,
             "single precision: eight roundings of the longest depth, enlarged by 1/cos of the most grazing pixel; rays "
             "in double precision stay below 1e-12 m",
         ),
-        Check(depth_noise.depth_mean_score, 5.0, f"{WITHIN}; the worst of 24 bands in 1 of 70 000"),
+        Check(cameras.depth_mean_score, 5.0, f"{WITHIN}; the worst of 24 bands in 1 of 70 000"),
         Check(
-            depth_noise.depth_spread_score,
+            cameras.depth_spread_score,
             5.0,
             f"chi-squared of the squares as a normal score; {WITHIN}; the worst of 24 bands in 1 of 70 000",
         ),
-        Check(depth_noise.depth_correlation_score, 5.0, f"largest of nine; {WITHIN} each"),
-        Check(depth_noise.depth_missing_score, 5.0, f"Wilson's interval at z = 5 holds the law; {WITHIN}, of three"),
+        Check(cameras.depth_correlation_score, 5.0, f"largest of nine; {WITHIN} each"),
+        Check(cameras.depth_missing_score, 5.0, f"Wilson's interval at z = 5 holds the law; {WITHIN}, of three"),
         Check(
-            depth_noise.depth_lost_but_answered_share,
+            cameras.depth_lost_but_answered_share,
             0.0,
             "no pixel lies so close to the edge of a shadow, or to a bound of light or angle, that rounding decides it",
         ),
         Check(
-            depth_noise.disparity_step_error,
+            cameras.disparity_step_error,
             1e-12,
             "f b over a depth that was f b over a multiple of the step: three roundings in double precision of at most "
             "200 steps stay below 2e-13",
         ),
-        Check(depth_noise.range_unwrapped_share, 0.0, "a phase has no second turn"),
+        Check(cameras.range_unwrapped_share, 0.0, "a phase has no second turn"),
     ),
-    observe=(pictures.depth_error_median,),
+    observe=(cameras.depth_error_median,),
 )

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.case.bounds import SINGLE
-from plumbline.harness.metrics.pictures import depth_error_max, depth_error_median, depth_error_rms, pixel_error, silhouette_iou
+from plumbline.harness.metrics.cameras import depth_error_max, depth_error_median, depth_error_rms, pixel_error, silhouette_iou
 from plumbline.harness.scene import Body, DepthCamera, Scene, Sphere
 from plumbline.harness.sensors.true_frames import stamps_up_to, true_frames
 from plumbline.harness.trajectory import Floats, Trajectory
@@ -55,7 +55,6 @@ CASE = Case.of(
     sample_interval=0.05,
     # What is seen does not depend on the time step: one is enough.
     ladder=(1 / 240,),
-    headline=depth_error_median.name,
     checks=(
         Check(
             depth_error_median,

@@ -2,7 +2,7 @@
 
 from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.case.bounds import SINGLE
-from plumbline.harness.metrics.gyroscope_attitude import gyroscope_attitude_error
+from plumbline.harness.metrics.readings import gyroscope_attitude_error
 from plumbline.harness.scene import Body, Box, Imu, PlacedShape, Scene, axis_angle
 
 DURATION, RATE = 2.0, 120.0
@@ -51,7 +51,6 @@ CASE = Case.of(
     dt=1 / 240,
     sample_interval=1 / RATE,
     ladder=(1 / 120, 1 / 240, 1 / 360, 1 / 480, 1 / 960, 1 / 1920),
-    headline=gyroscope_attitude_error.name,
     checks=(
         Check(
             gyroscope_attitude_error,

@@ -6,7 +6,7 @@ import numpy as np
 
 from plumbline.harness.case import Case, Check, Parameters, Positive, Step
 from plumbline.harness.case.forces import Control
-from plumbline.harness.metrics.inertial_readings import accelerometer_lag_error, gyroscope_lag_error, time_stamp_error
+from plumbline.harness.metrics.readings import accelerometer_lag_error, gyroscope_lag_error, time_stamp_error
 from plumbline.harness.scene import Body, Imu, Scene, axis_angle, sphere_inertia
 from plumbline.harness.trajectory import Floats, State, Trajectory
 from plumbline.harness.trajectory.kinematics import rotate_back
@@ -79,7 +79,6 @@ CASE = Case.of(
     duration=DURATION,
     dt=1 / 240,
     ladder=(1 / 120, 1 / 240, 1 / 360, 1 / 480, 1 / 960),
-    headline=accelerometer_lag_error.name,
     checks=(
         Check(
             accelerometer_lag_error,

@@ -7,7 +7,7 @@ import numpy as np
 
 from plumbline.harness.case import Case, Check, NotNegative, Parameters
 from plumbline.harness.case.bounds import SINGLE
-from plumbline.harness.metrics import allan, inertial_noise, inertial_readings
+from plumbline.harness.metrics import inertial_noise, readings
 from plumbline.harness.scene import AxisNoise, Body, Imu, ImuNoise, Scene, axis_angle
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.trajectory.kinematics import rotate_back
@@ -65,15 +65,15 @@ def _acceleration(dt: float, p: P) -> float:
 
 def _slope_checks() -> tuple[Check, ...]:
     count = round(DURATION * RATE)
-    laws: dict[allan.Channel, AxisNoise] = {"gyroscope": GYROSCOPE, "accelerometer": ACCELEROMETER}
-    regimes: tuple[allan.Regime, ...] = ("white", "floor", "random_walk")
+    laws: dict[inertial_noise.Channel, AxisNoise] = {"gyroscope": GYROSCOPE, "accelerometer": ACCELEROMETER}
+    regimes: tuple[inertial_noise.Regime, ...] = ("white", "floor", "random_walk")
 
-    def bound(law: AxisNoise, regime: allan.Regime, _dt: float, _p: P) -> float:
-        return allan.slope_bound(law, regime, count, 1.0 / RATE)
+    def bound(law: AxisNoise, regime: inertial_noise.Regime, _dt: float, _p: P) -> float:
+        return inertial_noise.slope_bound(law, regime, count, 1.0 / RATE)
 
     return tuple(
         Check(
-            allan.SLOPES[channel, regime],
+            inertial_noise.SLOPES[channel, regime],
             partial(bound, law, regime),
             "the part that the law's other processes have in the slope over this window, and five standard deviations",
         )
@@ -94,21 +94,20 @@ CASE = Case.of(
     sample_interval=0.1,
     dt=1 / 120,
     ladder=(1 / 120, 1 / 240, 1 / 360, 1 / 480, 1 / 720, 1 / 960),
-    headline=inertial_readings.accelerometer_ideal_error.name,
     checks=(
         Check(
-            inertial_readings.accelerometer_ideal_error,
+            readings.accelerometer_ideal_error,
             _acceleration,
             "w^2 r (w dt)^2/12 for an attitude updated to second order a step, and single-precision rounding of the "
             "velocities that are differenced",
         ),
         Check(
-            inertial_readings.gyroscope_ideal_error,
+            readings.gyroscope_ideal_error,
             lambda _, p: 16 * SINGLE * p.spin,
             "no torque acts, so the rate stays what it was; a few roundings in single precision",
         ),
-        Check(allan.gyroscope_allan_score, 5.0, FIVE + "the largest of 36 in 2 of 100 000"),
-        Check(allan.accelerometer_allan_score, 5.0, FIVE + "the largest of 36 in 2 of 100 000"),
+        Check(inertial_noise.gyroscope_allan_score, 5.0, FIVE + "the largest of 36 in 2 of 100 000"),
+        Check(inertial_noise.accelerometer_allan_score, 5.0, FIVE + "the largest of 36 in 2 of 100 000"),
         Check(inertial_noise.inertial_bias_score, 5.0, FIVE + "the largest of 6 in 3 of a million"),
         Check(inertial_noise.inertial_correlation_score, 5.0, FIVE + "the largest of 15 pairs in 9 of a million"),
         *_slope_checks(),

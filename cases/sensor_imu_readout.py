@@ -7,7 +7,7 @@ import numpy as np
 from plumbline.harness.case import Case, Check, Parameters, Positive
 from plumbline.harness.case.bounds import SINGLE, G
 from plumbline.harness.case.forces import Control
-from plumbline.harness.metrics.inertial_readings import accelerometer_ideal_error, gyroscope_ideal_error, inertial_readout_error
+from plumbline.harness.metrics.readings import accelerometer_ideal_error, gyroscope_ideal_error, inertial_readout_error
 from plumbline.harness.scene import (
     AxisNoise,
     Body,
@@ -77,7 +77,6 @@ CASE = Case.of(
     source="IEEE Std 1293-2018; Widrow, Kollar, Quantization Noise (2008), section 1.1",
     truth="closed form",
     duration=DURATION,
-    headline=inertial_readout_error.name,
     checks=(
         Check(
             inertial_readout_error,

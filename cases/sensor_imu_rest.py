@@ -6,7 +6,7 @@ import numpy as np
 
 from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.case.bounds import G
-from plumbline.harness.metrics.inertial_readings import accelerometer_ideal_error, gyroscope_ideal_error, time_stamp_error
+from plumbline.harness.metrics.readings import accelerometer_ideal_error, gyroscope_ideal_error, time_stamp_error
 from plumbline.harness.scene import Body, Imu, Scene, Surface, axis_angle
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.trajectory.kinematics import rotate_back
@@ -49,7 +49,6 @@ CASE = Case.of(
     source="Titterton, Weston, Strapdown Inertial Navigation Technology, 2nd ed., section 3.5: f = -R^T g",
     truth="rest",
     duration=DURATION,
-    headline=accelerometer_ideal_error.name,
     checks=(
         Check(
             accelerometer_ideal_error,

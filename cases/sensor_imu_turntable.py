@@ -7,7 +7,7 @@ import numpy as np
 from plumbline.harness.case import Case, Check, NotNegative, Parameters, Positive
 from plumbline.harness.case.bounds import SINGLE, G
 from plumbline.harness.case.forces import Control
-from plumbline.harness.metrics.inertial_readings import accelerometer_ideal_error, gyroscope_ideal_error
+from plumbline.harness.metrics.readings import accelerometer_ideal_error, gyroscope_ideal_error
 from plumbline.harness.scene import Body, Imu, Scene, axis_angle, sphere_inertia
 from plumbline.harness.trajectory import Floats, State, Trajectory
 from plumbline.harness.trajectory.kinematics import rotate_back
@@ -82,7 +82,6 @@ CASE = Case.of(
     source="Goldstein, Classical Mechanics, 3rd ed., section 4.10: a = w' x r + w x (w x r); Titterton, Weston, section 11.3",
     truth="closed form",
     duration=DURATION,
-    headline=accelerometer_ideal_error.name,
     checks=(
         Check(
             accelerometer_ideal_error,

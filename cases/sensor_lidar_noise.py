@@ -6,7 +6,7 @@ import numpy as np
 
 from plumbline.harness.case import Case, Check, Count, Parameters
 from plumbline.harness.case.bounds import SINGLE
-from plumbline.harness.metrics import range_error, range_noise
+from plumbline.harness.metrics import ranges
 from plumbline.harness.scene import (
     Appearance,
     Body,
@@ -104,34 +104,33 @@ CASE = Case.of(
     truth="statistics",
     duration=DURATION,
     sample_interval=0.1,
-    headline=range_error.range_error_max.name,
     checks=(
         Check(
-            range_error.range_error_max,
+            ranges.range_error_max,
             RANGE_BOUND,
             "single precision: eight roundings of the room's diagonal, enlarged by 1/cos of the most grazing beam; "
             "rays in double precision stay below 1e-12 m",
         ),
         Check(
-            range_error.range_false_return_share,
+            ranges.range_false_return_share,
             0.0,
             "no beam passes the edge of a shape so closely that rounding decides what it meets",
         ),
         Check(
-            range_error.intensity_error_max,
+            ranges.intensity_error_max,
             RANGE_BOUND / 0.25,
             "a hit that lies wrong by the bound of the range turns the normal of the most curved shape (radius 0.25 m) "
             "by that over the radius",
         ),
-        Check(range_noise.range_mean_score, 5.0, WITHIN),
-        Check(range_noise.range_spread_score, 5.0, f"chi-squared of the squares as a normal score; {WITHIN}"),
+        Check(ranges.range_mean_score, 5.0, WITHIN),
+        Check(ranges.range_spread_score, 5.0, f"chi-squared of the squares as a normal score; {WITHIN}"),
         Check(
-            range_noise.range_distribution_distance,
+            ranges.range_distribution_distance,
             2.73,
             "Kolmogorov: sqrt(n) D exceeds x with probability 2 exp(-2 x^2), 7 in 10 million at 2.73",
         ),
-        Check(range_noise.range_correlation_score, 5.0, f"largest of three; {WITHIN} each"),
-        Check(range_noise.dropout_score, 5.0, f"Wilson's interval at z = 5 holds the law; {WITHIN}"),
+        Check(ranges.range_correlation_score, 5.0, f"largest of three; {WITHIN} each"),
+        Check(ranges.dropout_score, 5.0, f"Wilson's interval at z = 5 holds the law; {WITHIN}"),
     ),
-    observe=(range_error.range_error_rms, range_error.range_error_median),
+    observe=(ranges.range_error_rms, ranges.range_error_median),
 )

@@ -6,7 +6,7 @@ import numpy as np
 
 from plumbline.harness.case import Case, Check, NotNegative, Parameters
 from plumbline.harness.case.bounds import SINGLE
-from plumbline.harness.metrics import inertial_readings, range_error
+from plumbline.harness.metrics import ranges, readings
 from plumbline.harness.scene import (
     Body,
     Box,
@@ -137,20 +137,19 @@ CASE = Case.of(
     truth="closed form",
     duration=DURATION,
     sample_interval=0.1,
-    headline=range_error.range_error_max.name,
     checks=(
         Check(
-            range_error.range_error_max,
+            ranges.range_error_max,
             lambda dt, p: LONGEST * _turned(dt, p) / GRAZING,
             "an attitude that is off by e moves the end of a beam of length r along its wall by r e/cos of incidence: "
             "e is w^3 dt^2/12 a second for 2 atan(w dt/2) a step, and rounding in single precision",
         ),
         Check(
-            range_error.range_false_return_share,
+            ranges.range_false_return_share,
             0.0,
             "a closed room returns every beam, and its corners lead on from wall to wall",
         ),
-        Check(inertial_readings.time_stamp_error, 8 * 2.0**-52 * DURATION, "a few roundings of the time"),
+        Check(readings.time_stamp_error, 8 * 2.0**-52 * DURATION, "a few roundings of the time"),
     ),
-    observe=(range_error.range_error_rms, range_error.intensity_error_max),
+    observe=(ranges.range_error_rms, ranges.intensity_error_max),
 )

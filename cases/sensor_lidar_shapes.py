@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 from plumbline.harness.case import Case, Check, Count, Parameters
-from plumbline.harness.metrics import range_error
+from plumbline.harness.metrics import ranges
 from plumbline.harness.scene import (
     WORLD,
     Appearance,
@@ -82,25 +82,24 @@ CASE = Case.of(
     truth="closed form",
     duration=DURATION,
     sample_interval=0.1,
-    headline=range_error.range_error_max.name,
     checks=(
         Check(
-            range_error.range_error_max,
+            ranges.range_error_max,
             EXACT,
             "a root of a quadratic in double precision: 20 roundings of 6 m and of its ratio to the smallest radius, "
             "enlarged by 1/cos^2 of the most grazing beam, 20 * 2^-53 * 6 * 20/.005^2; an approximate ray is off by more",
         ),
         Check(
-            range_error.range_false_return_share,
+            ranges.range_false_return_share,
             0.0,
             "no beam passes the edge of a shape, or the end of its reach, so closely that rounding decides",
         ),
         Check(
-            range_error.intensity_error_max,
+            ranges.intensity_error_max,
             EXACT / (0.3 * GRAZING),
             "a hit that is off by the bound of the range, and by 1/cos of it along the surface, turns the normal of "
             "the most curved shape (radius .3 m) by that over the radius",
         ),
     ),
-    observe=(range_error.range_error_rms, range_error.range_error_median),
+    observe=(ranges.range_error_rms, ranges.range_error_median),
 )

@@ -3,7 +3,7 @@
 import numpy as np
 
 from plumbline.harness.case import Case, Check, NotNegative, Parameters
-from plumbline.harness.metrics import inertial_noise, inertial_readings, range_noise
+from plumbline.harness.metrics import inertial_noise, ranges, readings
 from plumbline.harness.scene import WORLD, AxisNoise, Body, Imu, ImuNoise, Lidar, LidarNoise, Plane, Scene, axis_angle
 from plumbline.harness.trajectory import Floats, Trajectory
 
@@ -65,7 +65,6 @@ CASE = Case.of(
     sample_interval=1.0,
     dt=1 / 200,
     ladder=(1 / 200, 1 / 400, 1 / 600, 1 / 800),
-    headline=inertial_noise.inertial_correlation_score.name,
     checks=(
         Check(
             inertial_noise.inertial_correlation_score,
@@ -80,11 +79,11 @@ CASE = Case.of(
             "Kolmogorov: sqrt(n) D exceeds x with probability 2 exp(-2 x^2), 7 in 10 million at 2.73",
         ),
         Check(inertial_noise.inertial_histogram_score, 5.0, FIVE + "the largest of 12 in 7 of a million"),
-        Check(range_noise.range_mean_score, 5.0, FIVE + "of one"),
-        Check(range_noise.range_spread_score, 5.0, FIVE + "of one"),
-        Check(range_noise.range_correlation_score, 5.0, FIVE + "the largest of three"),
+        Check(ranges.range_mean_score, 5.0, FIVE + "of one"),
+        Check(ranges.range_spread_score, 5.0, FIVE + "of one"),
+        Check(ranges.range_correlation_score, 5.0, FIVE + "the largest of three"),
         Check(
-            inertial_readings.time_stamp_error,
+            readings.time_stamp_error,
             8 * float(np.finfo(np.float64).eps) * DURATION,
             "stamps are multiples of the interval to a few roundings, with none left out",
         ),

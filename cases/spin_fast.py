@@ -3,7 +3,7 @@
 import numpy as np
 
 from plumbline.harness.case import Axis, Case, Check, Parameters, Positive
-from plumbline.harness.metrics import energy, errors, momentum
+from plumbline.harness.metrics import conservation, errors
 from plumbline.harness.scene import Body, Box, PlacedShape, Scene, box_inertia
 from plumbline.harness.scene.values import Vector3
 from plumbline.harness.trajectory import Floats, Trajectory
@@ -60,19 +60,19 @@ CASE = Case.of(
     duration=DURATION,
     hard=Axis(parameter="speed", unit="rad/s", easy=10.0, extreme=10000.0, lost=0.1),
     sample_interval=1 / 240,
-    headline=momentum.angular_momentum_drift_max.name,
+    headline=conservation.angular_momentum_drift_max.name,
     checks=(
         Check(
-            energy.energy_drift_max,
+            conservation.energy_drift_max,
             _room,
             "with the angular momentum it has, no direction of spin gives this body another energy than L^2/(2 I3).. "
             "L^2/(2 I1): a larger change proves that angular momentum was made or lost",
         ),
         Check(
-            momentum.angular_momentum_drift_max,
+            conservation.angular_momentum_drift_max,
             1.0,
             "an error as large as L itself: nothing of it was kept. How much was is the figure to look at",
         ),
     ),
-    observe=(energy.energy_drift_final, errors.attitude_error_max, errors.angular_velocity_error_max),
+    observe=(conservation.energy_drift_final, errors.attitude_error_max, errors.angular_velocity_error_max),
 )

@@ -7,7 +7,7 @@ from annotated_types import Interval
 
 from plumbline.harness.case import Axis, Case, Check, Parameters, Positive
 from plumbline.harness.case.bounds import G
-from plumbline.harness.metrics import energy, errors, joints
+from plumbline.harness.metrics import conservation, errors, joints
 from plumbline.harness.metrics.spin import nutation_amplitude, precession_rate_error
 from plumbline.harness.scene import WORLD, Ball, Body, Cylinder, PlacedShape, Scene, principal_inertia
 from plumbline.harness.trajectory import Floats, Trajectory
@@ -136,7 +136,7 @@ CASE = Case.of(
         errors.position_error_final,
         errors.position_error_max,
         errors.attitude_error_max,
-        energy.energy_drift_max,
-        energy.energy_drift_staggered_max,
+        conservation.energy_drift_max,
+        conservation.energy_drift_staggered_max,
     ),
 )

@@ -5,7 +5,7 @@ from functools import lru_cache
 import numpy as np
 
 from plumbline.harness.case import Case, Check, Parameters
-from plumbline.harness.metrics import energy, errors, momentum
+from plumbline.harness.metrics import conservation, errors
 from plumbline.harness.metrics.spin import flip_count_error, flip_period_error
 from plumbline.harness.scene import Body, Box, PlacedShape, Scene, principal_inertia
 from plumbline.harness.scene.values import Vector3
@@ -94,10 +94,10 @@ CASE = Case.of(
             "where that error reaches the separatrix",
         ),
         Check(
-            momentum.angular_momentum_drift_max,
+            conservation.angular_momentum_drift_max,
             lambda dt, p: 2 * first_order_errors(p.moments, p.spin, DURATION)[1] * dt,
             FIRST_ORDER,
         ),
     ),
-    observe=(energy.energy_drift_max, errors.attitude_error_max),
+    observe=(conservation.energy_drift_max, errors.attitude_error_max),
 )

@@ -13,7 +13,7 @@ import numpy as np
 
 from plumbline.harness.case import Case, Check, FloatCount, NotNegative, Parameters
 from plumbline.harness.case.bounds import GIVE, G, bears, settled_speed, supported
-from plumbline.harness.metrics import contacts, energy, jitter, threading
+from plumbline.harness.metrics import conservation, contacts, jitter, overlaps
 from plumbline.harness.scene import (
     Body,
     Box,
@@ -178,10 +178,9 @@ CASE = Case.of(
     duration=DURATION,
     ladder=(1 / 120, 1 / 240, 1 / 480, 1 / 960),
     sample_interval=1 / 20,
-    with_contacts=True,
     checks=(
         Check(
-            threading.unthreaded,
+            overlaps.unthreaded,
             0.0,
             "a nut moves by 5 mm each way before its hole meets the post, whose sides its centre would pass after 25 "
             "mm; over the top nothing lifts it",
@@ -203,14 +202,14 @@ CASE = Case.of(
         ),
         supported(SETTLED, DURATION),
         Check(
-            energy.energy_rise_max,
+            conservation.energy_rise_max,
             _given_back,
             "exp(-4) of the energy of a fall from the highest start: a contact gives back nothing, or, where it is a "
             "critically damped spring that cannot pull, exp(-2) of the speed of a blow; half the square of g dt, one step of "
             "gravity; and g times a millimetre, by which contacts may give way and come back",
         ),
         Check(
-            energy.energy_rise_max,
+            conservation.energy_rise_max,
             lambda dt, _: 1.5 * (G * dt) ** 2,
             "at rest, half the square of g dt, one step of gravity, and g times its way g dt^2",
             start=SETTLED,

@@ -41,7 +41,6 @@ CASE = Case.of(
     source="statics: the ground bears both weights, the light box the heavy one's; nothing moves, whatever the ratio",
     truth="rest",
     duration=DURATION,
-    with_contacts=True,
     steady=SETTLED,
     hard=Axis(parameter="ratio", unit="1", easy=1, extreme=1e6),
     checks=(

@@ -65,5 +65,4 @@ CASE = Case.of(
         ),
     ),
     observe=(contacts.penetration,),
-    headline="overhang_limit_error",
 )

@@ -64,5 +64,4 @@ CASE = Case.of(
     ),
     observe=(stack.lean, jitter.rest_drift),
     insists={"friction": "what is pushed apart may come out askew; friction is what stops it then"},
-    headline="ejection_speed",
 )

@@ -82,6 +82,5 @@ CASE = Case.of(
     ),
     observe=(jitter.rest_drift,),
     insists={"friction": "balls that roll over each other without friction are another material, and cost an engine less"},
-    headline="overlap",
     scale=RADIUS,
 )

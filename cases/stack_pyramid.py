@@ -98,7 +98,6 @@ CASE = Case.of(
     source="statics: each brick on the two below, each ball in the hollow of four others or of the walls, in equilibrium",
     truth="rest",
     duration=DURATION,
-    with_contacts=True,
     steady=SETTLED,
     hard=Axis(parameter="rows", unit="1", easy=1, extreme=10),
     checks=(

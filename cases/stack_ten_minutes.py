@@ -5,7 +5,7 @@ A box that creeps by a micrometre a second passes every check of a few seconds; 
 
 from plumbline.harness.case import Case, Check, FloatCount, NotNegative, Parameters
 from plumbline.harness.case.bounds import GIVE, G, settled_speed, stands
-from plumbline.harness.metrics import energy, jitter, stack
+from plumbline.harness.metrics import conservation, jitter, stack
 from plumbline.harness.scene import Body, Scene, Surface
 from plumbline.harness.truths.rest import resting
 
@@ -48,7 +48,7 @@ CASE = Case.of(
         ),
         settled_speed(SETTLED, "a box"),
     ),
-    observe=(jitter.rest_drift, stack.lean, energy.energy_gain_max),
+    observe=(jitter.rest_drift, stack.lean, conservation.energy_gain_max),
     headline="rest_drift",
     scale=HALF,
 )

@@ -73,5 +73,4 @@ CASE = Case.of(
         ),
         Check(wrong_fates, 0.0, "no incline is at a threshold: on each one statics has one answer"),
     ),
-    headline="tipping_angle_error",
 )

@@ -78,5 +78,4 @@ CASE = Case.of(
         AGREEING_SAMPLES["reordered"],
         POSITION_DIFFERENCE["reordered"],
     ),
-    headline=DIFFERENCE["repeated"].name,
 )

@@ -43,5 +43,4 @@ CASE = Case.of(
         ),
     ),
     observe=(ATTITUDE_DIFFERENCE["moved"],),
-    headline=POSITION_DIFFERENCE["moved"].name,
 )

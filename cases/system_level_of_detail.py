@@ -22,7 +22,7 @@ import numpy as np
 
 from plumbline.harness.case import Case, Check, FloatCount, Parameters, Positive
 from plumbline.harness.case.bounds import GIVE, G
-from plumbline.harness.metrics import cam_follower, errors
+from plumbline.harness.metrics import errors, overlaps
 from plumbline.harness.scene import (
     WORLD,
     Body,
@@ -206,7 +206,7 @@ CASE = Case.of(
     sample_interval=1 / 240,
     checks=(
         Check(
-            cam_follower.cam_follower_gap,
+            overlaps.cam_follower_gap,
             _own,
             "before a contact can push, a follower falls for one step, g dt^2; where facets change, the new corner "
             "goes up faster than the old one by 2 W r sin(c) at most, each being W r sin(c) off the ball's own speed, and so "

@@ -7,7 +7,7 @@ import numpy as np
 
 from plumbline.harness.case import Case, Check, FloatCount, Parameters, Rays
 from plumbline.harness.case.bounds import SINGLE
-from plumbline.harness.metrics.range_error import range_error_max, range_error_median, range_false_return_share
+from plumbline.harness.metrics.ranges import range_error_max, range_error_median, range_false_return_share
 from plumbline.harness.scene import Body, Box, Capsule, Cylinder, Plane, Scene, Shape, Sphere, axis_angle, box_inertia
 from plumbline.harness.sensors.rays import first_hits
 from plumbline.harness.trajectory import Floats, State, Trajectory

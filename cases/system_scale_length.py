@@ -44,5 +44,4 @@ CASE = Case.of(
         Check(POSITION_DIFFERENCE["grown"], SINGLE, WHY),
     ),
     observe=(ATTITUDE_DIFFERENCE["shrunk"], ATTITUDE_DIFFERENCE["grown"]),
-    headline=POSITION_DIFFERENCE["shrunk"].name,
 )

@@ -8,7 +8,7 @@ Source: Ericson, Real-Time Collision Detection, sections 2.4.3 and 5.5.5 (two mo
 import numpy as np
 
 from plumbline.harness.case import Axis, Case, Check, Count, Parameters, Positive
-from plumbline.harness.metrics import momentum, passage
+from plumbline.harness.metrics import conservation, passage
 from plumbline.harness.scene import Body, Effect, Scene, Surface
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.truths.rest import at_rest
@@ -87,7 +87,7 @@ CASE = Case.of(
             "probability under 2.9 % (Wilson, 95 %)",
         ),
         Check(
-            momentum.momentum_drift_max,
+            conservation.momentum_drift_max,
             lambda _, p: 1e-6 * 2 * p.phases * MASS * p.speed,
             "a stop that is not an impulse on both makes momentum; 1e-6 of all there is, single precision",
         ),
@@ -99,5 +99,4 @@ CASE = Case.of(
         passage.rest_speed,
         passage.lateral_kick,
     ),
-    headline=passage.passage_probability.name,
 )

@@ -122,5 +122,4 @@ CASE = Case.of(
         "continuous_collision": "a step of 1/240 s turns a rod by .25 rad, and within .1 rad it has passed a post: an engine "
         "that divides its steps by four or more sees the posts all the same"
     },
-    headline=passage.passage_probability.name,
 )

@@ -9,7 +9,7 @@ Source: Ericson, Real-Time Collision Detection, section 2.4.3; Wilson, J. Amer. 
 import numpy as np
 
 from plumbline.harness.case import Axis, Case, Check, Count, Parameters, Positive
-from plumbline.harness.metrics import passage, tunnelling
+from plumbline.harness.metrics import passage
 from plumbline.harness.scene import Body, Box, Effect, Scene, Surface
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.truths.rest import at_rest
@@ -82,13 +82,12 @@ CASE = Case.of(
     hard=Axis(parameter="speed", unit="m/s", easy=1, extreme=500, lost=0.0),
     checks=(
         Check(
-            tunnelling.tunnel_probability,
+            passage.tunnel_probability,
             0.0,
             "a wall lets no sphere through, at any phase: no centre ends beyond its middle; 0 of 64 put the "
             "probability under 5.7 % (Wilson, 95 %)",
         ),
     ),
-    observe=(tunnelling.tunnel_probability_low, tunnelling.tunnel_probability_high, passage.sink_depth, tunnelling.stop_gap),
-    headline="tunnel_probability",
+    observe=(passage.tunnel_probability_low, passage.tunnel_probability_high, passage.sink_depth, passage.stop_gap),
     eased={"wall four times as thick": {"thickness": 4 * THICKNESS}},
 )

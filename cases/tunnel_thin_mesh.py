@@ -139,5 +139,4 @@ CASE = Case.of(
         ),
     ),
     observe=(passage.passage_probability_low, passage.passage_probability_high, passage.sink_depth),
-    headline=passage.passage_probability.name,
 )

@@ -5,11 +5,11 @@ The measure of a tremble is 0.01 g, the noise of a consumer accelerometer (300 m
 
 from plumbline.harness.case import Check
 from plumbline.harness.case.bounds import G
-from plumbline.harness.metrics.energy import held_energy_gain_max
+from plumbline.harness.metrics.conservation import held_energy_gain_max
+from plumbline.harness.metrics.jitter import vibration_rms
 from plumbline.harness.metrics.joints import pose_error_max
 from plumbline.harness.metrics.slide import foot_slip
 from plumbline.harness.metrics.stack import standing_height
-from plumbline.harness.metrics.vibration import vibration_rms
 from plumbline.harness.props.robots.floor import PRESSED
 
 SHARE = 0.01

@@ -111,6 +111,11 @@ class Body:
         return cls.fixed("ground", Plane(), material=material)
 
     @property
+    def only_shape(self) -> Shape | None:
+        """The shape of a body of one that touches; None of one without any, or with several."""
+        return self.collision[0].shape if len(self.collision) == 1 else None
+
+    @property
     def mass_point(self) -> bool:
         """Is it a movable body without any inertia?"""
         return self.movable and not any(map(any, self.inertia))

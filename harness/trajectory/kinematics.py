@@ -62,6 +62,17 @@ def movable(scene: Scene) -> Integers:
     return np.array([i for i, body in enumerate(scene.bodies) if body.movable], dtype=np.int64)
 
 
+def kinetic_energy(scene: Scene, trajectory: Trajectory) -> Floats:
+    """Of all movable bodies at each time, (t,) J."""
+    energy = np.zeros(len(trajectory))
+    for place in movable(scene):
+        body = scene.bodies[place]
+        w_B = rotate_back(trajectory.q_WB[:, place], trajectory.w_WB[:, place])
+        energy += 0.5 * body.mass * np.sum(np.square(trajectory.v_WB[:, place]), axis=-1)
+        energy += 0.5 * np.sum(w_B * (w_B @ np.array(body.inertia)), axis=-1)
+    return energy
+
+
 def _fixed_point(scene: Scene, name: str, point_W: Floats, trajectory: Trajectory) -> Floats:
     """Where the point of body `name` that lay at point_W at time 0 is at each time, (t, 3) m."""
     if name == WORLD:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from plumbline.harness.metric import Metric, NotMeasurable
-from plumbline.harness.metrics.contact_residuals import cone_residual, dissipation_residual, signorini_residual
+from plumbline.harness.metrics.contacts import cone_residual, dissipation_residual, signorini_residual
 from plumbline.harness.scene import Body, Box, Effect, PlacedShape, Plane, Scene, Surface
 from plumbline.harness.trajectory import Contacts, Trajectory
 

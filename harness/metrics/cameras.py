@@ -56,7 +56,8 @@ def _errors(run: Run) -> list[Floats]:
         depth, truth = run.beside_truth(camera.name, "depth_ideal" if isinstance(camera, DepthCamera) else "depth")
         # A NaN is no infinity: it is kept, and shows in the error.
         both = (body == owner) & (owner >= 0) & ~np.isinf(depth) & ~np.isinf(truth)
-        errors += [np.abs(depth - truth)[both & (owner == place)] for place in np.unique(owner[both])]
+        shown = (both & (owner == place) for place in np.unique(owner[both]))
+        errors += [np.abs(depth[own] - truth[own]) for own in shown]
     if not errors:
         raise NotMeasurable("no pixel shows the body that the truth shows")
     return errors

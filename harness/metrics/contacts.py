@@ -208,11 +208,10 @@ def _worst(run: Run, law: Callable[[_Recorded, float], Floats]) -> float:
 
     Args: law: (contacts, slowest slip that counts [m/s]) to (k,) N.
     """
-    g = float(np.linalg.norm(run.scene.gravity))
+    (sample, contacts), g = _joined(run.contacts), float(np.linalg.norm(run.scene.gravity))
     weight = g * sum(body.mass for body in run.bodies if body.movable)
     if weight == 0:
         raise NotMeasurable("nothing has weight")
-    sample, contacts = _joined(run.contacts)
     numbers = (contacts.force_W, contacts.normal_W, contacts.point_W, contacts.gap)
     if not all(np.isfinite(array).all() for array in numbers):
         return math.nan
@@ -258,7 +257,8 @@ def dissipation_residual(run: Run) -> float:
 @metric("1", contacts=True, even=True)
 def momentum_residual(run: Run) -> float:
     """Newton's second law over a step: |m dv - (F + m g) dt| at worst, over the greatest m |dv|"""
-    steps = np.flatnonzero(np.abs(np.diff(run.actual.time) - run.actual.dt) < 1e-6 * run.actual.dt) + 1
+    contacts, dt = run.contacts, run.actual.dt
+    steps = np.flatnonzero(np.abs(np.diff(run.actual.time) - dt) < 1e-6 * dt) + 1
     if len(steps) == 0:
         raise NotMeasurable("no two samples are one step apart, so that forces went unrecorded")
     jointed = {name for joint in run.scene.joints for name in (joint.parent, joint.child)}
@@ -268,8 +268,8 @@ def momentum_residual(run: Run) -> float:
     mass = np.array([run.bodies[k].mass for k in bodies])[:, None]
     gravity = np.array(run.scene.gravity) * (Effect.GRAVITY in run.scene.effects)
     gained = mass * (run.actual.v_WB[steps][:, bodies] - run.actual.v_WB[steps - 1][:, bodies])
-    force = np.array([forces_on(run.contacts[k], len(run.bodies))[bodies] for k in steps])
+    force = np.array([forces_on(contacts[k], len(run.bodies))[bodies] for k in steps])
     greatest = float(np.linalg.norm(gained, axis=-1).max())
     if greatest == 0.0:
         raise NotMeasurable("nothing changes its momentum")
-    return float(np.linalg.norm(gained - (force + mass * gravity) * run.actual.dt, axis=-1).max()) / greatest
+    return float(np.linalg.norm(gained - (force + mass * gravity) * dt, axis=-1).max()) / greatest

@@ -315,7 +315,7 @@ def test_missing_cameras_streams_truths_and_laws_are_not_measurable() -> None:
     ):
         with pytest.raises(NotMeasurable):
             metric(blind, truth, truth)
-    with pytest.raises(NotMeasurable, match="the truth has no stream 'd/depth_ideal'"):
+    with pytest.raises(NotMeasurable, match="the truth has no stream 'd/body'"):
         depth_error_median(_scene(), truth)
     with pytest.raises(NotMeasurable, match="was not recorded"):
         silhouette_iou(_scene(), _of({}), truth)

@@ -61,10 +61,10 @@ class Run:
 
     def sensors(self, kind: type[S], words: str) -> tuple[S, ...]:
         """The sensors of a kind. Args: words: what the kind is called, with 'no' before it."""
-        found = tuple(sensor for sensor in self.scene.sensors if isinstance(sensor, kind))
-        if not found:
+        sensors = tuple(sensor for sensor in self.scene.sensors if isinstance(sensor, kind))
+        if not sensors:
             raise NotMeasurable(f"the scene has {words}")
-        return found
+        return sensors
 
     def stream(self, name: str) -> Floats:
         """The stream '<sensor>/<channel>', (k, ...) with k > 0."""

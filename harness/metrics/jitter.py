@@ -56,8 +56,8 @@ def height_spread(run: Run) -> Floats:
 @metric("m", samples=2, empty=NO_BODY)
 def rest_drift(run: Run) -> Floats:
     """way from the window's start to its end, worst body"""
-    way: Floats = np.linalg.norm((run.actual.p_WB[-1] - run.actual.p_WB[0])[run.movable], axis=1)
-    return way
+    drift: Floats = np.linalg.norm((run.actual.p_WB[-1] - run.actual.p_WB[0])[run.movable], axis=1)
+    return drift
 
 
 WELCH = "Welch, IEEE Trans. Audio Electroacoust. 15 (1967) 70"

@@ -13,7 +13,7 @@ from annotated_types import Interval
 from plumbline.harness.case import Case, Check, NotNegative, Parameters
 from plumbline.harness.case.bounds import G, forces_obey_coulomb
 from plumbline.harness.metrics import errors
-from plumbline.harness.scene import Body, Effect, PlacedShape, Scene, Sphere, Surface, principal_inertia
+from plumbline.harness.scene import Body, Effect, Scene, Surface, principal_inertia
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.truths.rolling import rolling
 
@@ -33,11 +33,11 @@ def scene(p: P) -> Scene:
     """One body for each inertia, side by side along y, at rest on ground from which gravity leans `angle` [degrees] to +x."""
     lean = math.radians(p.angle)
     bodies = [
-        Body(
-            name=f"ball_{i}",
+        Body.ball(
+            f"ball_{i}",
+            RADIUS,
             mass=MASS,
             inertia=principal_inertia(*[k * MASS * RADIUS**2] * 3),
-            collision=(PlacedShape(shape=Sphere(radius=RADIUS)),),
             material="ball",
             p_WB=(0.0, SPACING * i, RADIUS),
         )

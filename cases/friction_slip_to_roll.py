@@ -8,7 +8,7 @@ import numpy as np
 from plumbline.harness.case import Case, Check, NotNegative, Parameters
 from plumbline.harness.case.bounds import G, forces_keep_momentum, forces_obey_coulomb
 from plumbline.harness.metrics import errors
-from plumbline.harness.scene import Body, Effect, PlacedShape, Scene, Sphere, Surface, principal_inertia
+from plumbline.harness.scene import Body, Effect, Scene, Surface, principal_inertia
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.truths.rolling import rolling
 
@@ -26,11 +26,11 @@ class P(Parameters):
 def scene(p: P) -> Scene:
     """One body for each inertia, side by side along y, thrown along x at `speed` [m/s]."""
     bodies = [
-        Body(
-            name=f"ball_{i}",
+        Body.ball(
+            f"ball_{i}",
+            RADIUS,
             mass=MASS,
             inertia=principal_inertia(*[k * MASS * RADIUS**2] * 3),
-            collision=(PlacedShape(shape=Sphere(radius=RADIUS)),),
             material="ball",
             p_WB=(0.0, SPACING * i, RADIUS),
             v_WB=(p.speed, 0.0, 0.0),

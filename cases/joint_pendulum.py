@@ -1,7 +1,7 @@
 """A pendulum on a hinge, released from rest: does it keep its period, its energy and its hinge?"""
 
 from functools import lru_cache
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from annotated_types import Interval
@@ -9,18 +9,7 @@ from annotated_types import Interval
 from plumbline.harness.case import Case, Check, Parameters, Positive
 from plumbline.harness.case.bounds import G
 from plumbline.harness.metrics import conservation, errors, joints, orbit
-from plumbline.harness.scene import (
-    WORLD,
-    Body,
-    Box,
-    Effect,
-    PlacedShape,
-    Revolute,
-    Scene,
-    Sphere,
-    box_inertia,
-    sphere_inertia,
-)
+from plumbline.harness.scene import WORLD, Body, Box, Effect, Revolute, Scene, Sphere
 from plumbline.harness.trajectory import Floats, Trajectory
 
 Kind = Literal["rod", "point"]
@@ -39,14 +28,11 @@ class P(Parameters):
     mass: Positive = 1.0
 
 
-def _body(kind: Kind, length: float, mass: float) -> tuple[Body, float]:
-    """The pendulum's body hanging straight down, and the distance [m] of its centre of mass from the hinge at the origin."""
-    if kind == "rod":
-        half = (RADIUS, RADIUS, length / 2)
-        shape = PlacedShape(shape=Box(half_extents=half))
-        return Body(name="pendulum", mass=mass, inertia=box_inertia(mass, half), visual=(shape,)), length / 2
-    shape = PlacedShape(shape=Sphere(radius=RADIUS))
-    return Body(name="pendulum", mass=mass, inertia=sphere_inertia(mass, RADIUS), visual=(shape,)), length
+def _body(p: P, **fields: Any) -> tuple[Body, float]:
+    """The pendulum, and the distance [m] of its centre of mass from the hinge at the origin. Args: fields: of the body."""
+    rod = Box(half_extents=(RADIUS, RADIUS, p.length / 2))
+    shape, distance = (rod, p.length / 2) if p.kind == "rod" else (Sphere(radius=RADIUS), p.length)
+    return Body.solid("pendulum", shape, mass=p.mass, touches=False, **fields), distance
 
 
 def _pose(theta: Floats, distance: float) -> tuple[Floats, Floats]:
@@ -58,31 +44,23 @@ def _pose(theta: Floats, distance: float) -> tuple[Floats, Floats]:
 
 def scene(p: P) -> Scene:
     """A pendulum of `length` [m] on a hinge about y at the origin, at rest at `amplitude` [degrees, 0..180)."""
-    hanging, distance = _body(p.kind, p.length, p.mass)
-    p_WB, q_WB = _pose(np.array(np.radians(p.amplitude)), distance)
-    pendulum = Body(
-        name=hanging.name,
-        mass=hanging.mass,
-        inertia=hanging.inertia,
-        visual=hanging.visual,
-        p_WB=p_WB.tolist(),
-        q_WB=q_WB.tolist(),
-    )
+    p_WB, q_WB = _pose(np.array(np.radians(p.amplitude)), _body(p)[1])
+    pendulum, _ = _body(p, p_WB=p_WB.tolist(), q_WB=q_WB.tolist())
     hinge = Revolute(name="hinge", parent=WORLD, child="pendulum", anchor_W=(0.0, 0.0, 0.0), axis_W=(0.0, 1.0, 0.0))
     return Scene(bodies=(pendulum,), joints=(hinge,), narrow=Effect.GYROSCOPIC)
 
 
-def _small_rate(kind: Kind, length: float, mass: float) -> tuple[float, float]:
+def _small_rate(p: P) -> tuple[float, float]:
     """Angular frequency [rad/s] of small swings, sqrt(m g d/(I + m d^2)), and d [m]."""
-    body, d = _body(kind, length, mass)
-    return float(np.sqrt(mass * G * d / (body.inertia[1][1] + mass * d * d))), d
+    body, d = _body(p)
+    return float(np.sqrt(p.mass * G * d / (body.inertia[1][1] + p.mass * d * d))), d
 
 
 def expected(time: Floats, p: P) -> Trajectory:
     """sin(theta/2) = k sn(K - w0 t, k), theta' = -2 k w0 cn(K - w0 t, k), k = sin(theta0/2)."""
     from scipy.special import ellipj, ellipk  # late: a listing must not pay for it
 
-    rate, distance = _small_rate(p.kind, p.length, p.mass)
+    rate, distance = _small_rate(p)
     k = float(np.sin(np.radians(p.amplitude) / 2))
     truth = Trajectory.of(time, 1)
     sn, cn, _, _ = ellipj(ellipk(k * k) - rate * truth.time, k * k)
@@ -96,7 +74,7 @@ def expected(time: Floats, p: P) -> Trajectory:
 @lru_cache(maxsize=8)
 def _swing(p: P) -> tuple[float, float, float, float]:
     """w0 [rad/s], d [m], the largest theta' = 2 k w0 [rad/s] and the height 1 - cos(theta0) [d]."""
-    rate, distance = _small_rate(p.kind, p.length, p.mass)
+    rate, distance = _small_rate(p)
     return rate, distance, float(2.0 * np.sin(np.radians(p.amplitude) / 2) * rate), float(1 - np.cos(np.radians(p.amplitude)))
 
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.metrics.cameras import colour_error_max, colour_error_median, silhouette_iou
-from plumbline.harness.scene import Appearance, Body, Box, Camera, PlacedShape, Scene, Sphere, Sun, Vector3, axis_angle
+from plumbline.harness.scene import Appearance, Body, Box, Camera, Scene, Sphere, Sun, Vector3, axis_angle
 from plumbline.harness.sensors.rays import first_hits
 from plumbline.harness.sensors.sight import Sight
 from plumbline.harness.sensors.true_frames import stamps_up_to, true_frames, true_sight
@@ -28,13 +28,11 @@ class P(Parameters):
 
 
 def _ball(name: str, radius: float, p_WB: Vector3) -> Body:
-    shape = PlacedShape(shape=Sphere(radius=radius))
-    return Body(name=name, motion="static", collision=(shape,), p_WB=p_WB, appearance=BLACK)
+    return Body.fixed(name, Sphere(radius=radius), p_WB=p_WB, appearance=BLACK)
 
 
 def _sheet(name: str, half: Vector3, p_WB: Vector3, axis: Vector3, tilt: float, look: Appearance) -> Body:
-    shape = PlacedShape(shape=Box(half_extents=half))
-    return Body(name=name, motion="static", collision=(shape,), p_WB=p_WB, q_WB=axis_angle(axis, tilt), appearance=look)
+    return Body.fixed(name, Box(half_extents=half), p_WB=p_WB, q_WB=axis_angle(axis, tilt), appearance=look)
 
 
 def _camera(name: str, x: float) -> Camera:

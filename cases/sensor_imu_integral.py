@@ -3,7 +3,7 @@
 from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.case.bounds import SINGLE
 from plumbline.harness.metrics.readings import gyroscope_attitude_error
-from plumbline.harness.scene import Body, Box, Imu, PlacedShape, Scene, axis_angle
+from plumbline.harness.scene import Body, Box, Imu, Scene, axis_angle, principal_inertia
 
 DURATION, RATE = 2.0, 120.0
 EQUATOR, POLE = 1.0, 2.0
@@ -19,12 +19,8 @@ class P(Parameters):
 
 def scene(p: P) -> Scene:
     """A free symmetric top with a sensor turned against it; its rate goes round its axis at (C - A)/A times `along`."""
-    top = Body(
-        name="top",
-        inertia=((EQUATOR, 0.0, 0.0), (0.0, EQUATOR, 0.0), (0.0, 0.0, POLE)),
-        visual=(PlacedShape(shape=Box(half_extents=(0.5, 0.5, 0.2))),),
-        w_WB=(p.across, 0.0, p.along),
-    )
+    inertia, shape = principal_inertia(EQUATOR, EQUATOR, POLE), Box(half_extents=(0.5, 0.5, 0.2))
+    top = Body.solid("top", shape, inertia=inertia, touches=False, w_WB=(p.across, 0.0, p.along))
     imu = Imu(name="imu", body="top", rate=RATE, p_BS=(0.1, 0.2, 0.0), q_BS=MOUNTING)
     return Scene(bodies=(top,), sensors=(imu,), gravity=(0.0, 0.0, 0.0))
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.metrics import conservation, errors
-from plumbline.harness.scene import Body, Box, PlacedShape, Scene, principal_inertia
+from plumbline.harness.scene import Body, Box, Scene, principal_inertia
 from plumbline.harness.scene.values import Vector3
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.truths.free_rotation import FIRST_ORDER, first_order_errors, free_rotation
@@ -27,13 +27,8 @@ def scene(p: P) -> Scene:
     mass = 6.0
     a, b, c = (0.5 * (sum(p.moments) - 2 * moment) for moment in p.moments)
     half = tuple(float(np.sqrt(3.0 * max(x, 1e-6) / mass)) for x in (a, b, c))
-    top = Body(
-        name="top",
-        mass=mass,
-        inertia=principal_inertia(*p.moments),
-        visual=(PlacedShape(shape=Box(half_extents=(half[0], half[1], half[2]))),),
-        w_WB=p.spin,
-    )
+    shape = Box(half_extents=(half[0], half[1], half[2]))
+    top = Body.solid("top", shape, mass=mass, inertia=principal_inertia(*p.moments), touches=False, w_WB=p.spin)
     return Scene(bodies=(top,), gravity=(0.0, 0.0, 0.0))
 
 

@@ -4,7 +4,7 @@ import numpy as np
 
 from plumbline.harness.case import Axis, Case, Check, Parameters, Positive
 from plumbline.harness.metrics import conservation, errors
-from plumbline.harness.scene import Body, Box, PlacedShape, Scene, box_inertia
+from plumbline.harness.scene import Body, Scene, box_inertia
 from plumbline.harness.scene.values import Vector3
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.truths.free_rotation import free_rotation
@@ -23,13 +23,7 @@ class P(Parameters):
 def scene(p: P) -> Scene:
     """A plate that spins at `speed` [rad/s] about an axis of its own that is no principal axis."""
     unit = np.array(p.direction) / np.linalg.norm(p.direction)
-    plate = Body(
-        name="plate",
-        mass=MASS,
-        inertia=box_inertia(MASS, (HALF[0], HALF[1], HALF[2])),
-        visual=(PlacedShape(shape=Box(half_extents=HALF)),),
-        w_WB=(p.speed * unit).tolist(),
-    )
+    plate = Body.box("plate", HALF, mass=MASS, touches=False, w_WB=(p.speed * unit).tolist())
     return Scene(bodies=(plate,), gravity=(0.0, 0.0, 0.0))
 
 

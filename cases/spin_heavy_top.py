@@ -9,7 +9,7 @@ from plumbline.harness.case import Axis, Case, Check, Parameters, Positive
 from plumbline.harness.case.bounds import G
 from plumbline.harness.metrics import conservation, errors, joints
 from plumbline.harness.metrics.spin import nutation_amplitude, precession_rate_error
-from plumbline.harness.scene import WORLD, Ball, Body, Cylinder, PlacedShape, Scene, principal_inertia
+from plumbline.harness.scene import WORLD, Ball, Body, Cylinder, Scene, principal_inertia
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.trajectory.kinematics import product
 
@@ -63,11 +63,12 @@ def expected(time: Floats, p: P) -> Trajectory:
 def scene(p: P) -> Scene:
     """A thin disc on a massless stem, on a ball joint at the origin, started in steady precession."""
     start = expected(np.zeros(1), p)
-    disc = Body(
-        name="disc",
+    disc = Body.solid(
+        "disc",
+        Cylinder(radius=RADIUS, half_length=0.005),
         mass=MASS,
         inertia=principal_inertia(ACROSS - MASS * LENGTH**2, ACROSS - MASS * LENGTH**2, ALONG),
-        visual=(PlacedShape(shape=Cylinder(radius=RADIUS, half_length=0.005)),),
+        touches=False,
         p_WB=start.p_WB[0, 0].tolist(),
         q_WB=start.q_WB[0, 0].tolist(),
         v_WB=start.v_WB[0, 0].tolist(),

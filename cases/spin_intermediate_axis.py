@@ -7,7 +7,7 @@ import numpy as np
 from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.metrics import conservation, errors
 from plumbline.harness.metrics.spin import flip_count_error, flip_period_error
-from plumbline.harness.scene import Body, Box, PlacedShape, Scene, principal_inertia
+from plumbline.harness.scene import Body, Box, Scene, principal_inertia
 from plumbline.harness.scene.values import Vector3
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.truths.free_rotation import FIRST_ORDER, first_order_errors, free_rotation
@@ -25,13 +25,8 @@ def scene(p: P) -> Scene:
     """A body of 6 kg with principal `moments` [kg m2] in ascending order, spinning at `spin` [rad/s] in B, B on W at time 0."""
     mass = 6.0
     half = [float(np.sqrt(max(1.5 * (sum(p.moments) - 2 * moment) / mass, 1e-6))) for moment in p.moments]
-    body = Body(
-        name="racket",
-        mass=mass,
-        inertia=principal_inertia(*p.moments),
-        visual=(PlacedShape(shape=Box(half_extents=(half[0], half[1], half[2]))),),
-        w_WB=p.spin,
-    )
+    shape = Box(half_extents=(half[0], half[1], half[2]))
+    body = Body.solid("racket", shape, mass=mass, inertia=principal_inertia(*p.moments), touches=False, w_WB=p.spin)
     return Scene(bodies=(body,), gravity=(0.0, 0.0, 0.0))
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from plumbline.harness.case import Case, Check, Parameters, Positive
 from plumbline.harness.metrics import conservation, errors
 from plumbline.harness.metrics.conservation import angular_momentum_drift_max
-from plumbline.harness.scene import Body, Cylinder, PlacedShape, Scene, principal_inertia
+from plumbline.harness.scene import Body, Cylinder, Scene, principal_inertia
 from plumbline.harness.scene.values import Vector3
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.trajectory.kinematics import product, rotate
@@ -30,13 +30,8 @@ def scene(p: P) -> Scene:
     mass = 6.0
     radius = float(np.sqrt(2 * p.along / mass))
     half_length = float(np.sqrt(max(3 * p.across / mass - 0.75 * radius**2, 1e-6)))
-    top = Body(
-        name="top",
-        mass=mass,
-        inertia=principal_inertia(p.across, p.across, p.along),
-        visual=(PlacedShape(shape=Cylinder(radius=radius, half_length=half_length)),),
-        w_WB=p.spin,
-    )
+    shape, inertia = Cylinder(radius=radius, half_length=half_length), principal_inertia(p.across, p.across, p.along)
+    top = Body.solid("top", shape, mass=mass, inertia=inertia, touches=False, w_WB=p.spin)
     return Scene(bodies=(top,), gravity=(0.0, 0.0, 0.0))
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from plumbline.harness.case import Case, Check, FloatCount, Parameters
 from plumbline.harness.case.symmetries import Retelling, reordered, repeated, restored
 from plumbline.harness.metrics.equivalence import AGREEING_SAMPLES, DIFFERENCE, POSITION_DIFFERENCE
-from plumbline.harness.scene import Body, Box, PlacedShape, Scene, Sphere, Surface, axis_angle, box_inertia, sphere_inertia
+from plumbline.harness.scene import Body, Box, Scene, Shape, Sphere, Surface, axis_angle
 
 FRICTION, MASS, HALF, RADIUS = 0.5, 1.0, (0.1, 0.08, 0.06), 0.08
 SAVED, DURATION = 0.5, 1.0
@@ -29,18 +29,13 @@ def scene(p: P) -> Scene:
     draw = np.random.default_rng(p.seed)
     bodies = [Body.fixed("floor", Box(half_extents=FLOOR), p_WB=(0.0, 0.0, -FLOOR[2]))]
     for k in range(round(p.n)):
-        shape, inertia = (
-            (Sphere(radius=RADIUS), sphere_inertia(MASS, RADIUS))
-            if k % 2
-            else (Box(half_extents=HALF), box_inertia(MASS, HALF))
-        )
+        shape: Shape = Sphere(radius=RADIUS) if k % 2 else Box(half_extents=HALF)
         axis, (x, y) = draw.standard_normal(3), draw.uniform(-0.04, 0.04, 2)
         bodies.append(
-            Body(
-                name=f"body_{k}",
+            Body.solid(
+                f"body_{k}",
+                shape,
                 mass=MASS,
-                inertia=inertia,
-                collision=(PlacedShape(shape=shape),),
                 p_WB=(float(x), float(y), 0.2 + 0.22 * k),
                 q_WB=axis_angle((axis[0], axis[1], axis[2]), float(draw.uniform(0.0, np.pi))),
             )

@@ -11,7 +11,7 @@ import numpy as np
 from plumbline.harness.case import Axis, Case, Check, FloatCount, Parameters
 from plumbline.harness.case.forces import Control
 from plumbline.harness.metrics import errors, joints, overlaps
-from plumbline.harness.scene import WORLD, Body, Box, PlacedShape, Revolute, Scene, Surface, box_inertia
+from plumbline.harness.scene import WORLD, Body, Box, PlacedShape, Revolute, Scene, Surface
 from plumbline.harness.trajectory import Floats, State, Trajectory
 
 KINDS = ("flight", "contact", "chain")
@@ -39,11 +39,11 @@ def scene(p: P) -> Scene:
     edge, lattice = math.ceil(math.sqrt(count)), 2 * HALF + GAP
     touching = p.kind == "contact"
     cubes = [
-        Body(
-            name=f"cube_{k}",
+        Body.box(
+            f"cube_{k}",
+            (HALF, HALF, HALF),
             mass=MASS,
-            inertia=box_inertia(MASS, (HALF, HALF, HALF)),
-            collision=(PlacedShape(shape=Box(half_extents=(HALF, HALF, HALF))),) if touching else (),
+            touches=touching,
             visual=(PlacedShape(shape=Box(half_extents=(HALF, HALF, HALF))),),
             p_WB=(lattice * (k % edge - (edge - 1) / 2), lattice * (k // edge - (edge - 1) / 2), HALF),
         )

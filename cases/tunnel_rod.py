@@ -11,7 +11,7 @@ import numpy as np
 
 from plumbline.harness.case import Axis, Case, Check, Count, Parameters, Positive
 from plumbline.harness.metrics import errors, passage
-from plumbline.harness.scene import Body, Capsule, Effect, PlacedShape, Scene, Surface, axis_angle, capsule_inertia, multiply
+from plumbline.harness.scene import Body, Capsule, Effect, Scene, Surface, axis_angle, multiply
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.trajectory.kinematics import product
 from plumbline.harness.truths.rest import at_rest
@@ -52,12 +52,11 @@ def scene(p: P) -> Scene:
         # The rod's axis, z of its shape, lies level at the azimuth -(angle + meeting) before the posts on the x axis.
         azimuth = -(float(angle) + _meeting())
         rods.append(
-            Body(
-                name=f"rod_{i}",
+            Body.solid(
+                f"rod_{i}",
+                Capsule(radius=RADIUS, half_length=HALF_LENGTH),
                 mass=MASS,
-                inertia=capsule_inertia(MASS, RADIUS, HALF_LENGTH),
                 material="rod",
-                collision=(PlacedShape(shape=Capsule(radius=RADIUS, half_length=HALF_LENGTH)),),
                 p_WB=(0.0, 0.0, SPACING * i),
                 q_WB=multiply(axis_angle((0.0, 0.0, 1.0), azimuth), axis_angle((0.0, 1.0, 0.0), np.pi / 2)),
                 w_WB=(0.0, 0.0, p.spin),

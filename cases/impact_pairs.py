@@ -14,7 +14,6 @@ from plumbline.harness.case.bounds import SOLVED, SPRING_STEPS, forces_keep_mome
 from plumbline.harness.metrics import conservation, errors
 from plumbline.harness.scene import Body, Scene, Surface
 from plumbline.harness.trajectory import Floats, Trajectory
-from plumbline.harness.truths.rest import at_rest
 
 MASS, RADIUS, SPACING = 1.0, 0.1, 1.0
 GAP, WIDER = 0.3, 0.011
@@ -71,7 +70,7 @@ def scene(p: P) -> Scene:
 
 def expected(time: Floats, p: P) -> Trajectory:
     """The closed form: straight flight, one impulse, straight flight."""
-    truth = at_rest(scene(p), time)
+    truth = Trajectory.at_rest(scene(p), time)
     for row, (kind, left, right) in enumerate(_pairs(p.ratio, p.restitutions)):
         meeting = (GAP + WIDER * row) / SPEED
         before, since = np.minimum(truth.time, meeting), np.maximum(truth.time - meeting, 0.0)

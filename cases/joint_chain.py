@@ -10,6 +10,7 @@ from plumbline.harness.metrics import errors, joints
 from plumbline.harness.metrics.conservation import energy_drift_max, energy_drift_staggered_max
 from plumbline.harness.scene import WORLD, Body, Effect, Revolute, Scene, box_inertia
 from plumbline.harness.trajectory import Floats, Trajectory
+from plumbline.harness.trajectory.kinematics import about
 from plumbline.harness.truths.first_order import true_motion
 
 DURATION = 2.0
@@ -34,7 +35,7 @@ def placed(time: Floats, theta: Floats, rate: Floats) -> Trajectory:
     moving = LENGTH * rate[..., None] * np.stack([np.cos(theta), zero, np.sin(theta)], axis=-1)
     truth.p_WB[:] = np.cumsum(along, axis=1) - along / 2
     truth.v_WB[:] = np.cumsum(moving, axis=1) - moving / 2
-    truth.q_WB[:] = np.stack([np.cos(theta / 2), zero, -np.sin(theta / 2), zero], axis=-1)
+    truth.q_WB[:] = about(1, -theta)
     truth.w_WB[:, :, 1] = -rate
     return truth
 

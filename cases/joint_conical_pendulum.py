@@ -10,6 +10,7 @@ from plumbline.harness.case.bounds import G
 from plumbline.harness.metrics import conservation, errors, joints
 from plumbline.harness.scene import WORLD, Ball, Body, Scene
 from plumbline.harness.trajectory import Floats, Trajectory
+from plumbline.harness.trajectory.kinematics import about
 
 DURATION = 10.0
 LENGTH, MASS, RADIUS = 1.0, 1.0, 0.05
@@ -25,13 +26,6 @@ def rate(tilt: float, length: float) -> float:
     return float(np.sqrt(G / (length * np.cos(np.radians(tilt)))))
 
 
-def _turn(axis: int, angle: Floats) -> Floats:
-    """The rotation by angles [rad] (t,) about a coordinate axis, (t, 4)."""
-    q = np.zeros((len(angle), 4))
-    q[:, 0], q[:, 1 + axis] = np.cos(angle / 2), np.sin(angle / 2)
-    return q
-
-
 def expected(time: Floats, p: P) -> Trajectory:
     """The whole pendulum turns about the vertical like one rigid body."""
     truth = Trajectory.of(time, 1)
@@ -39,7 +33,7 @@ def expected(time: Floats, p: P) -> Trajectory:
     azimuth = w * truth.time
     out = np.stack([np.cos(azimuth), np.sin(azimuth), np.zeros_like(azimuth)], axis=1)
     truth.p_WB[:, 0] = p.length * (np.sin(theta) * out + np.array([0.0, 0.0, -np.cos(theta)]))
-    truth.q_WB[:, 0] = _turn(2, azimuth)
+    truth.q_WB[:, 0] = about(2, azimuth)
     truth.w_WB[:, 0, 2] = w
     truth.v_WB[:, 0] = w * p.length * np.sin(theta) * np.stack([-out[:, 1], out[:, 0], out[:, 2]], axis=1)
     return truth

@@ -15,7 +15,9 @@ from plumbline.harness.metrics.errors import attitude_error_max, position_error_
 from plumbline.harness.metrics.joints import joint_gap_max
 from plumbline.harness.scene import WORLD, Body, Effect, Revolute, Scene, box_inertia
 from plumbline.harness.trajectory import Floats, Trajectory
+from plumbline.harness.trajectory.kinematics import about
 from plumbline.harness.truths.first_order import FIRST_ORDER, first_order_motions, true_motion
+from plumbline.harness.truths.pendulum import swinging
 
 DURATION = 2.5
 """Five times through the line [s]. A first-order method's error grows with the square of the time, and its bound would soon
@@ -43,7 +45,7 @@ def _placed(time: Floats, theta: Floats, turning: Floats) -> Trajectory:
     for k, (share, x) in enumerate(((0.5, -COUPLER / 2), (0.5, COUPLER / 2), (1.0, 0.0))):
         placed.p_WB[:, k] = share * CRANK * along + np.array([x, 0.0, 0.0])
         placed.v_WB[:, k] = share * CRANK * turning[:, None] * across
-    placed.q_WB[:, :2] = np.stack([np.cos(theta / 2), zero, -np.sin(theta / 2), zero], axis=1)[:, None]
+    placed.q_WB[:, :2] = about(1, -theta)[:, None]
     placed.w_WB[:, :2, 1] = -turning[:, None]
     return placed
 
@@ -66,13 +68,9 @@ def scene(p: P) -> Scene:
 
 
 def expected(time: Floats, p: P) -> Trajectory:
-    """The pendulum: sin(theta/2) = k sn(K - w0 t, k), k = sin(theta0/2)."""
-    from scipy.special import ellipj, ellipk  # late: a listing must not pay for it
-
+    """The pendulum, by Jacobi's elliptic functions."""
     times = np.asarray(time, dtype=np.float64)
-    rate, k = _rate(), float(np.sin(np.radians(p.amplitude) / 2))
-    sn, cn, _, _ = ellipj(ellipk(k * k) - rate * times, k * k)
-    return _placed(times, 2 * np.arcsin(k * sn), -2 * k * rate * cn)
+    return _placed(times, *swinging(times, _rate(), np.radians(p.amplitude)))
 
 
 @lru_cache(maxsize=8)

@@ -6,7 +6,7 @@ from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.case.bounds import G
 from plumbline.harness.metrics import conservation, joints
 from plumbline.harness.scene import WORLD, Body, Effect, Revolute, Scene, box_inertia
-from plumbline.harness.trajectory import Floats
+from plumbline.harness.truths.pendulum import hanging
 
 DURATION = 1000.0
 AMPLITUDE = 60.0
@@ -23,16 +23,8 @@ class P(Parameters):
 
 def scene(p: P) -> Scene:
     """A rod on a hinge about y at the origin, at rest at `amplitude` [degrees from hanging]."""
-    theta = float(np.radians(p.amplitude))
-    along: Floats = D * np.array([np.sin(theta), 0.0, -np.cos(theta)])
-    rod = Body.box(
-        "rod",
-        HALF,
-        mass=MASS,
-        touches=False,
-        p_WB=along.tolist(),
-        q_WB=(float(np.cos(theta / 2)), 0.0, -float(np.sin(theta / 2)), 0.0),
-    )
+    p_WB, q_WB = hanging(np.array(np.radians(p.amplitude)), D)
+    rod = Body.box("rod", HALF, mass=MASS, touches=False, p_WB=p_WB.tolist(), q_WB=q_WB.tolist())
     hinge = Revolute(name="hinge", parent=WORLD, child="rod", anchor_W=(0.0, 0.0, 0.0), axis_W=(0.0, 1.0, 0.0))
     return Scene(bodies=(rod,), joints=(hinge,), narrow=Effect.GYROSCOPIC)
 

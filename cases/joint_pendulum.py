@@ -11,6 +11,7 @@ from plumbline.harness.case.bounds import G
 from plumbline.harness.metrics import conservation, errors, joints, orbit
 from plumbline.harness.scene import WORLD, Body, Box, Effect, Revolute, Scene, Sphere
 from plumbline.harness.trajectory import Floats, Trajectory
+from plumbline.harness.truths.pendulum import hanging, swinging
 
 Kind = Literal["rod", "point"]
 
@@ -35,16 +36,9 @@ def _body(p: P, **fields: Any) -> tuple[Body, float]:
     return Body.solid("pendulum", shape, mass=p.mass, touches=False, **fields), distance
 
 
-def _pose(theta: Floats, distance: float) -> tuple[Floats, Floats]:
-    """Centre of mass (..., 3) m and attitude (..., 4) at angles theta [rad] from the downward vertical, towards +x."""
-    zero = np.zeros_like(theta)
-    p_WB = distance * np.stack([np.sin(theta), zero, -np.cos(theta)], axis=-1)
-    return p_WB, np.stack([np.cos(theta / 2), zero, -np.sin(theta / 2), zero], axis=-1)
-
-
 def scene(p: P) -> Scene:
     """A pendulum of `length` [m] on a hinge about y at the origin, at rest at `amplitude` [degrees, 0..180)."""
-    p_WB, q_WB = _pose(np.array(np.radians(p.amplitude)), _body(p)[1])
+    p_WB, q_WB = hanging(np.array(np.radians(p.amplitude)), _body(p)[1])
     pendulum, _ = _body(p, p_WB=p_WB.tolist(), q_WB=q_WB.tolist())
     hinge = Revolute(name="hinge", parent=WORLD, child="pendulum", anchor_W=(0.0, 0.0, 0.0), axis_W=(0.0, 1.0, 0.0))
     return Scene(bodies=(pendulum,), joints=(hinge,), narrow=Effect.GYROSCOPIC)
@@ -57,15 +51,11 @@ def _small_rate(p: P) -> tuple[float, float]:
 
 
 def expected(time: Floats, p: P) -> Trajectory:
-    """sin(theta/2) = k sn(K - w0 t, k), theta' = -2 k w0 cn(K - w0 t, k), k = sin(theta0/2)."""
-    from scipy.special import ellipj, ellipk  # late: a listing must not pay for it
-
+    """Jacobi's elliptic functions."""
     rate, distance = _small_rate(p)
-    k = float(np.sin(np.radians(p.amplitude) / 2))
     truth = Trajectory.of(time, 1)
-    sn, cn, _, _ = ellipj(ellipk(k * k) - rate * truth.time, k * k)
-    theta, turning = 2.0 * np.arcsin(k * sn), -2.0 * k * rate * cn
-    truth.p_WB[:, 0], truth.q_WB[:, 0] = _pose(theta, distance)
+    theta, turning = swinging(truth.time, rate, np.radians(p.amplitude))
+    truth.p_WB[:, 0], truth.q_WB[:, 0] = hanging(theta, distance)
     truth.w_WB[:, 0, 1] = -turning
     truth.v_WB[:, 0] = np.cross(truth.w_WB[:, 0], truth.p_WB[:, 0])
     return truth

@@ -11,7 +11,6 @@ from plumbline.harness.sensors.rays import first_hits
 from plumbline.harness.sensors.sight import Sight
 from plumbline.harness.sensors.true_frames import stamps_up_to, true_frames, true_sight
 from plumbline.harness.trajectory import Floats, State, Trajectory
-from plumbline.harness.truths.rest import at_rest
 
 RATE = 10.0
 INDEX, HALF_THICKNESS = 1.5, 0.15
@@ -124,7 +123,7 @@ def _in_pane(scene: Scene, sight: Sight) -> Floats:
 def expected(time: Floats, p: P) -> Trajectory:
     """Nothing moves; the colour of each pixel is the sum over its light's ways."""
     stage = scene(p)
-    truth = at_rest(stage, time)
+    truth = Trajectory.at_rest(stage, time)
     stamps = stamps_up_to(float(truth.time[-1]), RATE) if len(truth) else truth.time
     streams: dict[str, Floats] = {}
     for camera, sheet, light in zip(stage.sensors, ("mirror", "pane"), (_in_mirror, _in_pane), strict=True):

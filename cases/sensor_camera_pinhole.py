@@ -1,7 +1,5 @@
 """Solids before nothing, photographed: does each appear in the pixels where the pinhole puts it, at its depth?"""
 
-from dataclasses import replace
-
 from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.metrics.cameras import depth_error_max, depth_error_median, depth_error_rms, pixel_error, silhouette_iou
 from plumbline.harness.scene import (
@@ -19,9 +17,7 @@ from plumbline.harness.scene import (
     Vector3,
     axis_angle,
 )
-from plumbline.harness.sensors.true_frames import stamps_up_to, true_frames
-from plumbline.harness.trajectory import Floats, Trajectory
-from plumbline.harness.truths.rest import at_rest
+from plumbline.harness.sensors.true_views import seen
 
 RATE = 10.0
 UNTURNED = (1.0, 0.0, 0.0, 0.0)
@@ -74,15 +70,7 @@ def scene(p: P) -> Scene:
     return Scene(bodies=solids, sensors=(camera,), gravity=(0.0, 0.0, 0.0))
 
 
-def expected(time: Floats, p: P) -> Trajectory:
-    """Nothing moves; a pixel shows what the ray through its centre meets first."""
-    stage = scene(p)
-    truth = at_rest(stage, time)
-    camera = stage.sensors[0]
-    assert isinstance(camera, Camera)
-    stamps = stamps_up_to(float(truth.time[-1]), RATE) if len(truth) else truth.time
-    return replace(truth, streams=true_frames(stage, camera, stamps))
-
+expected = seen(scene)
 
 CASE = Case.of(
     globals(),

@@ -1,7 +1,5 @@
 """A hall seen by a stereo, a structured-light and a time-of-flight camera: has each the noise and the gaps of its principle?"""
 
-from dataclasses import replace
-
 import numpy as np
 
 from plumbline.harness.case import Case, Check, NotNegative, Parameters
@@ -23,9 +21,7 @@ from plumbline.harness.scene import (
     Vector3,
     axis_angle,
 )
-from plumbline.harness.sensors.true_frames import stamps_up_to, true_frames
-from plumbline.harness.trajectory import Floats, Trajectory
-from plumbline.harness.truths.rest import at_rest
+from plumbline.harness.sensors.true_views import seen
 
 DURATION, RATE = 0.3, 10.0
 WIDTH, HEIGHT, FOCAL = 128, 96, 120.0
@@ -98,17 +94,7 @@ def scene(p: P) -> Scene:
     return Scene(bodies=bodies, sensors=cameras, gravity=(0.0, 0.0, 0.0), sun=sun)
 
 
-def expected(time: Floats, p: P) -> Trajectory:
-    """Nothing moves; the ideal depths, and what each principle cannot see, by closed-form rays."""
-    stage = scene(p)
-    truth = at_rest(stage, time)
-    stamps = stamps_up_to(float(truth.time[-1]), RATE) if len(truth) else truth.time
-    streams: dict[str, Floats] = {}
-    for camera in stage.sensors:
-        assert isinstance(camera, DepthCamera)
-        streams |= true_frames(stage, camera, stamps)
-    return replace(truth, streams=streams)
-
+expected = seen(scene)
 
 WITHIN = "five standard deviations: a false alarm in 6 of 10 million runs"
 

@@ -1,14 +1,10 @@
 """Balls before nothing, seen by a depth camera: z-depth and not range, and silhouettes that are the cone's sections."""
 
-from dataclasses import replace
-
 from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.case.bounds import SINGLE
 from plumbline.harness.metrics.cameras import depth_error_max, depth_error_median, depth_error_rms, pixel_error, silhouette_iou
 from plumbline.harness.scene import Body, DepthCamera, Scene, Sphere
-from plumbline.harness.sensors.true_frames import stamps_up_to, true_frames
-from plumbline.harness.trajectory import Floats, Trajectory
-from plumbline.harness.truths.rest import at_rest
+from plumbline.harness.sensors.true_views import seen
 
 RATE = 10.0
 BALLS = (
@@ -35,15 +31,7 @@ def scene(p: P) -> Scene:
     return Scene(bodies=tuple(balls), sensors=(camera,), gravity=(0.0, 0.0, 0.0))
 
 
-def expected(time: Floats, p: P) -> Trajectory:
-    """Nothing moves; a pixel's depth is that of the first hit of the ray through its centre."""
-    stage = scene(p)
-    truth = at_rest(stage, time)
-    camera = stage.sensors[0]
-    assert isinstance(camera, DepthCamera)
-    stamps = stamps_up_to(float(truth.time[-1]), RATE) if len(truth) else truth.time
-    return replace(truth, streams=true_frames(stage, camera, stamps))
-
+expected = seen(scene)
 
 CASE = Case.of(
     globals(),

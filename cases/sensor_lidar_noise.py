@@ -1,7 +1,5 @@
 """A scanning range finder in a room of primitives: are the ideal ranges right, and does their noise follow its law?"""
 
-from dataclasses import replace
-
 import numpy as np
 
 from plumbline.harness.case import Case, Check, Count, Parameters
@@ -23,9 +21,7 @@ from plumbline.harness.scene import (
     Vector3,
     axis_angle,
 )
-from plumbline.harness.sensors.true_scans import true_scans
-from plumbline.harness.trajectory import Floats, Trajectory
-from plumbline.harness.truths.rest import at_rest
+from plumbline.harness.sensors.true_views import seen
 
 DURATION = 1.0
 RATE = 10.0
@@ -83,14 +79,7 @@ def scene(p: P) -> Scene:
     return Scene(bodies=(*walls, *contents, carrier), sensors=(lidar,), gravity=(0.0, 0.0, 0.0))
 
 
-def expected(time: Floats, p: P) -> Trajectory:
-    """Nothing moves; the ranges are the closed-form first hits of the beams."""
-    stage = scene(p)
-    lidar = stage.sensors[0]
-    assert isinstance(lidar, Lidar)
-    truth = at_rest(stage, time)
-    return replace(truth, streams=true_scans(stage, lidar, float(truth.time[-1])) if len(truth) else {})
-
+expected = seen(scene)
 
 LONGEST = 2.0 * float(np.linalg.norm(HALF))
 RANGE_BOUND = 8 * SINGLE * LONGEST / GRAZING

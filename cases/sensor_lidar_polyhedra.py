@@ -1,14 +1,10 @@
 """A range finder in front of a convex hull and of a triangle mesh: does every beam end on a face?"""
 
-from dataclasses import replace
-
 from plumbline.harness.case import Case, Check, Count, Parameters
 from plumbline.harness.case.bounds import SINGLE
 from plumbline.harness.metrics import ranges
 from plumbline.harness.scene import WORLD, Body, ConvexHull, Lidar, Quaternion, Scene, TriangleMesh, Vector3, axis_angle
-from plumbline.harness.sensors.true_scans import true_scans
-from plumbline.harness.trajectory import Floats, Trajectory
-from plumbline.harness.truths.rest import at_rest
+from plumbline.harness.sensors.true_views import seen
 
 DURATION, RATE = 0.2, 10.0
 UNTURNED: Quaternion = (1.0, 0.0, 0.0, 0.0)
@@ -47,14 +43,7 @@ def scene(p: P) -> Scene:
     return Scene(bodies=(hull, mesh), sensors=(lidar,), gravity=(0.0, 0.0, 0.0))
 
 
-def expected(time: Floats, p: P) -> Trajectory:
-    """Nothing moves; ranges to the half-spaces of the hull and to the triangles of the mesh."""
-    stage = scene(p)
-    lidar = stage.sensors[0]
-    assert isinstance(lidar, Lidar)
-    truth = at_rest(stage, time)
-    return replace(truth, streams=true_scans(stage, lidar, float(truth.time[-1])) if len(truth) else {})
-
+expected = seen(scene)
 
 RANGE_BOUND = 8 * SINGLE * REACH / GRAZING
 

@@ -1,7 +1,5 @@
 """A range finder in front of each primitive: does every beam end where geometry says, on curved surfaces too?"""
 
-from dataclasses import replace
-
 from plumbline.harness.case import Case, Check, Count, Parameters
 from plumbline.harness.metrics import ranges
 from plumbline.harness.scene import (
@@ -20,9 +18,7 @@ from plumbline.harness.scene import (
     Vector3,
     axis_angle,
 )
-from plumbline.harness.sensors.true_scans import true_scans
-from plumbline.harness.trajectory import Floats, Trajectory
-from plumbline.harness.truths.rest import at_rest
+from plumbline.harness.sensors.true_views import seen
 
 DURATION, RATE = 0.2, 10.0
 REACH = 6.0
@@ -65,14 +61,7 @@ def scene(p: P) -> Scene:
     return Scene(bodies=shapes, sensors=(lidar,), gravity=(0.0, 0.0, 0.0))
 
 
-def expected(time: Floats, p: P) -> Trajectory:
-    """Nothing moves; the ranges are the closed-form first hits of the beams, and infinite beyond the sensor's reach."""
-    stage = scene(p)
-    lidar = stage.sensors[0]
-    assert isinstance(lidar, Lidar)
-    truth = at_rest(stage, time)
-    return replace(truth, streams=true_scans(stage, lidar, float(truth.time[-1])) if len(truth) else {})
-
+expected = seen(scene)
 
 CASE = Case.of(
     globals(),

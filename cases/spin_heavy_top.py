@@ -11,7 +11,7 @@ from plumbline.harness.metrics import conservation, errors, joints
 from plumbline.harness.metrics.spin import nutation_amplitude, precession_rate_error
 from plumbline.harness.scene import WORLD, Ball, Body, Cylinder, Scene, principal_inertia
 from plumbline.harness.trajectory import Floats, Trajectory
-from plumbline.harness.trajectory.kinematics import product
+from plumbline.harness.trajectory.kinematics import about, product
 
 DURATION = 2.0
 MASS, RADIUS, LENGTH = 1.0, 0.1, 0.1
@@ -39,20 +39,13 @@ def precession(p: P) -> float:
     return float(2 * c / (b + np.sqrt(b * b - 4 * a * c)))
 
 
-def _turn(axis: int, angle: Floats) -> Floats:
-    """The rotation by angles [rad] (t,) about a coordinate axis, (t, 4)."""
-    q = np.zeros((len(angle), 4))
-    q[:, 0], q[:, 1 + axis] = np.cos(angle / 2), np.sin(angle / 2)
-    return q
-
-
 def expected(time: Floats, p: P) -> Trajectory:
     """The axis goes round the vertical at W, at a constant tilt, and the disc round its axis at w3 - W cos(tilt)."""
     truth = Trajectory.of(time, 1)
     theta, rate = np.radians(p.tilt), precession(p)
     azimuth = rate * truth.time
-    turned = product(_turn(2, azimuth), _turn(1, np.full(len(azimuth), theta)))
-    truth.q_WB[:, 0] = product(turned, _turn(2, (p.spin - rate * np.cos(theta)) * truth.time))
+    turned = product(about(2, azimuth), about(1, np.full(len(azimuth), theta)))
+    truth.q_WB[:, 0] = product(turned, about(2, (p.spin - rate * np.cos(theta)) * truth.time))
     axis = np.stack([np.sin(theta) * np.cos(azimuth), np.sin(theta) * np.sin(azimuth), np.full(len(azimuth), np.cos(theta))], 1)
     truth.p_WB[:, 0] = LENGTH * axis
     truth.w_WB[:, 0] = (p.spin - rate * np.cos(theta)) * axis + np.array([0.0, 0.0, rate])

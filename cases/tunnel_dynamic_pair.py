@@ -11,7 +11,6 @@ from plumbline.harness.case import Axis, Case, Check, Count, Parameters, Positiv
 from plumbline.harness.metrics import conservation, passage
 from plumbline.harness.scene import Body, Effect, Scene, Surface
 from plumbline.harness.trajectory import Floats, Trajectory
-from plumbline.harness.truths.rest import at_rest
 
 RADIUS, MASS = 0.05, 1.0
 SPACING, CLEARANCE, DURATION = 1.0, 0.05, 0.25
@@ -63,7 +62,7 @@ def scene(p: P) -> Scene:
 
 def expected(time: Floats, p: P) -> Trajectory:
     """The closed form: straight flight, then rest, face to face (equal masses, no restitution)."""
-    truth = at_rest(scene(p), time)
+    truth = Trajectory.at_rest(scene(p), time)
     for i, way in enumerate(_ways(p.speed, p.phases, p.seed)):
         for place, side in ((2 * i, -1.0), (2 * i + 1, 1.0)):
             truth.p_WB[:, place, 0] -= side * np.minimum(p.speed * truth.time, way)

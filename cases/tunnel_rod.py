@@ -13,8 +13,7 @@ from plumbline.harness.case import Axis, Case, Check, Count, Parameters, Positiv
 from plumbline.harness.metrics import errors, passage
 from plumbline.harness.scene import Body, Capsule, Effect, Scene, Surface, axis_angle, multiply
 from plumbline.harness.trajectory import Floats, Trajectory
-from plumbline.harness.trajectory.kinematics import product
-from plumbline.harness.truths.rest import at_rest
+from plumbline.harness.trajectory.kinematics import about, product
 
 MASS, RADIUS, HALF_LENGTH, POST_RADIUS, LEVER = 0.5, 0.01, 0.5, 0.01, 0.4
 SPACING, CLEARANCE, DURATION = 0.1, 0.15, 0.25
@@ -82,10 +81,9 @@ def scene(p: P) -> Scene:
 
 def expected(time: Floats, p: P) -> Trajectory:
     """The closed form: an even turn, then rest against both posts (no restitution)."""
-    truth = at_rest(scene(p), time)
+    truth = Trajectory.at_rest(scene(p), time)
     for place, angle in enumerate(_angles(p.spin, p.phases, p.seed), start=2):
-        half = np.minimum(p.spin * truth.time, angle) / 2
-        turn = np.stack([np.cos(half), 0 * half, 0 * half, np.sin(half)], axis=1)
+        turn = about(2, np.minimum(p.spin * truth.time, angle))
         truth.q_WB[:, place] = product(turn, truth.q_WB[:, place])
         truth.w_WB[:, place, 2] = np.where(p.spin * truth.time < angle, p.spin, 0.0)
     return truth

@@ -12,7 +12,6 @@ from plumbline.harness.case import Axis, Case, Check, Count, Parameters, Positiv
 from plumbline.harness.metrics import passage
 from plumbline.harness.scene import Body, Box, Effect, Scene, Surface
 from plumbline.harness.trajectory import Floats, Trajectory
-from plumbline.harness.truths.rest import at_rest
 
 THICKNESS, RADIUS, MASS = 0.01, 0.05, 1.0
 SPACING, CLEARANCE, DURATION = 1.0, 0.05, 0.25
@@ -65,7 +64,7 @@ def scene(p: P) -> Scene:
 
 def expected(time: Floats, p: P) -> Trajectory:
     """The closed form: straight flight, then rest at the face of the wall (no restitution)."""
-    truth = at_rest(scene(p), time)
+    truth = Trajectory.at_rest(scene(p), time)
     for place, way in enumerate(_starts(p.speed, p.phases, p.seed), start=1):
         truth.p_WB[:, place, 0] += np.minimum(p.speed * truth.time, way)
         truth.v_WB[:, place, 0] = np.where(p.speed * truth.time < way, p.speed, 0.0)

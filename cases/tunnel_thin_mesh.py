@@ -16,7 +16,6 @@ from plumbline.harness.case.bounds import G
 from plumbline.harness.metrics import passage
 from plumbline.harness.scene import Body, Box, Effect, Scene, Surface, TriangleMesh
 from plumbline.harness.trajectory import Floats, Trajectory
-from plumbline.harness.truths.rest import at_rest
 
 SLIDE, PHASES = 1.0, 32
 RADIUS, MASS, CELL = 0.05, 1.0, 0.25
@@ -102,7 +101,7 @@ def scene(p: P) -> Scene:
 
 def expected(time: Floats, p: P) -> Trajectory:
     """The closed form: free fall until the ground, then an even slide on it."""
-    truth = at_rest(scene(p), time)
+    truth = Trajectory.at_rest(scene(p), time)
     for place, fall in enumerate(_falls(p.phases, p.seed), start=2):
         falling = np.minimum(truth.time, fall)
         truth.p_WB[:, place, 0] += p.slide * truth.time

@@ -47,6 +47,13 @@ def rotate_back(q_WB: Floats, vector_W: Floats) -> Floats:
     return rotate(conjugate(q_WB), vector_W)
 
 
+def about(axis: int, angle: Floats) -> Floats:
+    """The rotation by angles [rad] (...) about a coordinate axis, 0, 1 or 2, (..., 4)."""
+    q = np.zeros((*np.shape(angle), 4))
+    q[..., 0], q[..., 1 + axis] = np.cos(angle / 2), np.sin(angle / 2)
+    return q
+
+
 def angle_between(a: Floats, b: Floats) -> Floats:
     """The angle [rad], 0..pi, of the rotation from a to b, (...); NaN where either is no rotation at all."""
     a, b = np.asarray(a, dtype=np.float64), np.asarray(b, dtype=np.float64)

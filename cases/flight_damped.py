@@ -5,7 +5,6 @@ import math
 import numpy as np
 
 from plumbline.harness.case import Case, Check, NotNegative, Parameters
-from plumbline.harness.case.bounds import stays_finite
 from plumbline.harness.metrics import errors
 from plumbline.harness.scene import EARTH_GRAVITY, Body, Scene
 from plumbline.harness.scene.values import Vector3
@@ -25,7 +24,7 @@ class P(Parameters):
     angular_damping: NotNegative = 1.0
 
 
-def _scene(p: P) -> Scene:
+def scene(p: P) -> Scene:
     """A ball of 1 kg thrown from the origin; damping [1/s] is the rate at which velocity and angular velocity decay."""
     ball = Body.ball(
         "ball",
@@ -39,7 +38,7 @@ def _scene(p: P) -> Scene:
     return Scene(bodies=(ball,))
 
 
-def _expected(time: Floats, p: P) -> Trajectory:
+def expected(time: Floats, p: P) -> Trajectory:
     """v = v_t + (v0 - v_t) exp(-c t) with the terminal velocity v_t = g/c; the same for the spin, which ends at rest."""
     truth = Trajectory.of(time, 1)
     t, g, v0, w0 = truth.time[:, None], np.array(EARTH_GRAVITY), np.array(p.velocity), np.array(p.spin)
@@ -72,20 +71,16 @@ def _velocity(dt: float, p: P) -> float:
     return 2 * (-EARTH_GRAVITY[2] * dt + _change(p.velocity, p.linear_damping) * p.linear_damping * dt / (2 * math.e)) + SINGLE
 
 
-CASE = Case(
-    name="flight_damped",
+CASE = Case.of(
+    globals(),
     title="Damped fall",
     question="Does linear drag bring a body to its terminal speed, and a spin to rest, at the rate that was asked for?",
     source="Meriam and Kraige, Engineering Mechanics: Dynamics, 7th ed., section 2/2, problem of linear drag",
     truth="closed form",
-    scene=_scene,
-    expected=_expected,
     duration=DURATION,
-    parameters=P(),
     headline=errors.position_error_max.name,
     converges="smoothly",
     checks=(
-        stays_finite("damping calms: no speed can grow beyond all bounds"),
         Check(
             errors.velocity_error_max,
             _velocity,

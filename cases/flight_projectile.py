@@ -3,8 +3,8 @@
 import numpy as np
 
 from plumbline.harness.case import Case, Check, Parameters, Positive
-from plumbline.harness.case.bounds import SINGLE, G, stays_finite
-from plumbline.harness.metrics import energy, errors
+from plumbline.harness.case.bounds import SINGLE, G
+from plumbline.harness.metrics import conservation, errors
 from plumbline.harness.scene import EARTH_GRAVITY, Body, Scene
 from plumbline.harness.scene.values import Vector3
 from plumbline.harness.trajectory import Floats, Trajectory
@@ -18,13 +18,13 @@ class P(Parameters):
     radius: Positive = 0.1
 
 
-def _scene(p: P) -> Scene:
+def scene(p: P) -> Scene:
     """A ball that nothing can touch, thrown from the origin with `velocity` [m/s]."""
     ball = Body.ball("ball", p.radius, mass=p.mass, touches=False, v_WB=p.velocity)
     return Scene(bodies=(ball,))
 
 
-def _expected(time: Floats, p: P) -> Trajectory:
+def expected(time: Floats, p: P) -> Trajectory:
     """x = v0 t + g t^2/2; mass and size do not enter."""
     truth = Trajectory.of(time, 1)
     t = truth.time[:, None]
@@ -50,20 +50,15 @@ def _first_order(dt: float, p: P) -> float:
     return 1.01 * G * dt * DURATION / 2 + _rounding(dt, p) * DURATION
 
 
-CASE = Case(
-    name="flight_projectile",
+CASE = Case.of(
+    globals(),
     title="Projectile",
     question="Does a thrown body follow its parabola, to the order of the integrator and without hidden damping?",
     source="Galilei, Discorsi (1638); x = v0 t + g t^2/2",
     truth="closed form",
-    scene=_scene,
-    expected=_expected,
     duration=DURATION,
-    parameters=P(),
-    headline=errors.position_error_max.name,
     converges="smoothly",
     checks=(
-        stays_finite("a parabola never diverges"),
         Check(
             errors.position_error_max,
             _first_order,
@@ -79,10 +74,10 @@ CASE = Case(
         Check(errors.attitude_error_max, 1e-6, "nothing turns the body; 1e-6 rad is single-precision rounding"),
         Check(errors.angular_velocity_error_max, 1e-6, "nothing turns the body; single-precision rounding"),
         Check(
-            energy.energy_drift_max,
+            conservation.energy_drift_max,
             lambda dt, p: 2.0 * G * _first_order(dt, p) / _speeds(p.velocity)[0] ** 2,
             "kinetic energy is exact, so energy errs by m g times the position error, over the largest kinetic energy",
         ),
     ),
-    observe=(errors.position_error_rms, errors.position_error_final, energy.energy_drift_staggered_max),
+    observe=(errors.position_error_rms, errors.position_error_final, conservation.energy_drift_staggered_max),
 )

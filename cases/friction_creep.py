@@ -6,7 +6,7 @@ from typing import Annotated
 from annotated_types import Interval
 
 from plumbline.harness.case import Case, Check, NotNegative, Parameters, Positive
-from plumbline.harness.case.bounds import GIVE, G, forces_obey_coulomb, stays_finite
+from plumbline.harness.case.bounds import GIVE, G, forces_obey_coulomb
 from plumbline.harness.metrics import errors, jitter, slide
 from plumbline.harness.scene import Body, Effect, Scene, Surface
 from plumbline.harness.trajectory import Floats, Trajectory
@@ -21,7 +21,7 @@ class P(Parameters):
     mass: Positive = 1.0
 
 
-def _scene(p: P) -> Scene:
+def scene(p: P) -> Scene:
     """A box on ground from which gravity leans `angle` [degrees] towards +x: an incline seen from itself."""
     lean = math.radians(p.angle)
     box = Body.box("box", HALF, mass=p.mass, material="box", p_WB=(0.0, 0.0, HALF[2]))
@@ -34,7 +34,7 @@ def _scene(p: P) -> Scene:
     )
 
 
-def _expected(time: Floats, p: P) -> Trajectory:
+def expected(time: Floats, p: P) -> Trajectory:
     """Rest, where tan(angle) <= mu.
 
     Raises:
@@ -49,21 +49,15 @@ def _expected(time: Floats, p: P) -> Trajectory:
 
 FIRST_STEP = "a first step may pass before there is a contact to hold the box: g sin(angle) dt^2, twice for a staggered scheme"
 
-CASE = Case(
-    name="friction_creep",
+CASE = Case.of(
+    globals(),
     title="Creep on an incline",
     question="Does dry friction hold a box still, or is it a very thick oil?",
     source="Coulomb's law: at tan(angle) < mu a box at rest stays",
     truth="rest",
-    scene=_scene,
-    expected=_expected,
     duration=DURATION,
-    parameters=P(),
-    headline=slide.creep_speed.name,
     scale=1e-3,
-    with_contacts=True,
     checks=(
-        stays_finite("what rests stays where it is"),
         Check(
             slide.creep_speed,
             1e-5,

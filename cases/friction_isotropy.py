@@ -79,17 +79,13 @@ def _step(dt: float, p: P) -> float:
     return p.speed * dt / (p.speed**2 / (2 * p.friction * G))
 
 
-CASE = Case(
-    name="friction_isotropy",
+CASE = Case.of(
+    globals(),
     title="Friction in every direction",
     question="Does the stopping distance depend on the azimuth of the push?",
     source="Stewart, SIAM Review 42 (2000) 3",
     truth="closed form",
-    scene=scene,
-    expected=expected,
-    parameters=P(),
     duration=0.75,
-    with_contacts=True,
     checks=(
         Check(
             polar_spread,
@@ -112,5 +108,4 @@ CASE = Case(
         *forces_obey_coulomb(),
     ),
     observe=(centre_rise,),
-    headline="polar_spread",
 )

@@ -11,9 +11,9 @@ import numpy as np
 from annotated_types import Interval
 
 from plumbline.harness.case import Case, Check, NotNegative, Parameters
-from plumbline.harness.case.bounds import G, forces_obey_coulomb, stays_finite
+from plumbline.harness.case.bounds import G, forces_obey_coulomb
 from plumbline.harness.metrics import errors
-from plumbline.harness.scene import Body, Effect, PlacedShape, Scene, Sphere, Surface, principal_inertia
+from plumbline.harness.scene import Body, Effect, Scene, Surface, principal_inertia
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.truths.rolling import rolling
 
@@ -29,15 +29,15 @@ class P(Parameters):
     slip. All touch as spheres: only their inertia matters here."""
 
 
-def _scene(p: P) -> Scene:
+def scene(p: P) -> Scene:
     """One body for each inertia, side by side along y, at rest on ground from which gravity leans `angle` [degrees] to +x."""
     lean = math.radians(p.angle)
     bodies = [
-        Body(
-            name=f"ball_{i}",
+        Body.ball(
+            f"ball_{i}",
+            RADIUS,
             mass=MASS,
             inertia=principal_inertia(*[k * MASS * RADIUS**2] * 3),
-            collision=(PlacedShape(shape=Sphere(radius=RADIUS)),),
             material="ball",
             p_WB=(0.0, SPACING * i, RADIUS),
         )
@@ -53,7 +53,7 @@ def _scene(p: P) -> Scene:
     )
 
 
-def _expected(time: Floats, p: P) -> Trajectory:
+def expected(time: Floats, p: P) -> Trajectory:
     """Rolling or slipping from the start, at a constant acceleration."""
     truth, lean = Trajectory.of(time, 1 + len(p.factors)), math.radians(p.angle)
     for i, k in enumerate(p.factors, start=1):
@@ -69,21 +69,15 @@ def _speed(dt: float, p: P) -> float:
     return 2 * G * math.sin(math.radians(p.angle)) * dt
 
 
-CASE = Case(
-    name="friction_roll_incline",
+CASE = Case.of(
+    globals(),
     title="Rolling down an incline",
     question="Do sphere, cylinder, shell and hoop go down an incline at their own accelerations, rolling or slipping?",
     source="Meriam and Kraige, Engineering Mechanics: Dynamics, 7th ed., section 6/5",
     truth="closed form",
-    scene=_scene,
-    expected=_expected,
     duration=DURATION,
-    parameters=P(),
-    headline=errors.velocity_error_max.name,
     converges="once",
-    with_contacts=True,
     checks=(
-        stays_finite("a rolling ball never diverges"),
         Check(
             errors.velocity_error_max,
             _speed,

@@ -6,7 +6,7 @@ A moment c N against a rolling ball slows it by a = c g/(r (1 + k)), k = 2/5, un
 import numpy as np
 
 from plumbline.harness.case import ByParameters, Case, Check, Parameters, Positive
-from plumbline.harness.case.bounds import G, forces_obey_coulomb, stays_finite
+from plumbline.harness.case.bounds import G, forces_obey_coulomb
 from plumbline.harness.metrics import errors, jitter
 from plumbline.harness.scene import Body, Effect, Scene, Surface
 from plumbline.harness.trajectory import Floats, Trajectory
@@ -34,7 +34,7 @@ def lasting(p: P) -> float:
     return DURATION * (p.speed / min(c for c in p.coefficients if c > 0)) / (SPEED / min(COEFFICIENTS))
 
 
-def _scene(p: P) -> Scene:
+def scene(p: P) -> Scene:
     """One ball for each coefficient [m], side by side along y, rolling along x at `speed` [m/s]."""
     materials = [f"ball_{i}" for i in range(len(p.coefficients))]
     balls = [
@@ -60,7 +60,7 @@ def _scene(p: P) -> Scene:
     )
 
 
-def _expected(time: Floats, p: P) -> Trajectory:
+def expected(time: Floats, p: P) -> Trajectory:
     """Uniform deceleration without slip, then rest."""
     truth = Trajectory.of(time, 1 + len(p.coefficients))
     for i, c in enumerate(p.coefficients, start=1):
@@ -79,21 +79,16 @@ def _speed(dt: float, p: P) -> float:
     return 2 * deceleration(max(p.coefficients)) * dt
 
 
-CASE = Case(
-    name="friction_rolling_resistance",
+CASE = Case.of(
+    globals(),
     title="Rolling resistance",
     question="Does a moment against rolling stop a ball where it should, and only where it was asked for?",
     source="Johnson, Contact Mechanics (1985), section 8.3: moment of rolling resistance over normal force",
     truth="closed form",
-    scene=_scene,
-    expected=_expected,
     duration=ByParameters(lasting),
-    parameters=P(),
     headline=errors.position_error_max.name,
     converges="once",
-    with_contacts=True,
     checks=(
-        stays_finite("a ball that slows down never diverges"),
         Check(
             errors.velocity_error_max,
             _speed,

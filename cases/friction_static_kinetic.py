@@ -10,7 +10,7 @@ import math
 import numpy as np
 
 from plumbline.harness.case import Case, Check, NotNegative, Parameters, Positive
-from plumbline.harness.case.bounds import GIVE, G, forces_obey_coulomb, stays_finite
+from plumbline.harness.case.bounds import GIVE, G, forces_obey_coulomb
 from plumbline.harness.metrics.errors import position_error_final, position_error_max, velocity_error_max
 from plumbline.harness.scene import Body, Distance, Effect, Scene, Spring, Surface
 from plumbline.harness.trajectory import Floats, Trajectory
@@ -29,7 +29,7 @@ class P(Parameters):
     drawn: Positive = 0.2
 
 
-def _scene(p: P) -> Scene:
+def scene(p: P) -> Scene:
     """A block on the ground and a puller `REST` m ahead of its centre that moves on at `drawn` [m/s], with a slack spring."""
     block = Body.box("block", HALF, mass=MASS, material="block", p_WB=(0.0, 0.0, HALF[2]))
     puller = Body(name="puller", motion="kinematic", p_WB=(REST, 0.0, HALF[2]), v_WB=(p.drawn, 0.0, 0.0))
@@ -78,7 +78,7 @@ def _block(time: Floats, static: float, kinetic: float, stiffness: float, drawn:
     return x, v
 
 
-def _expected(time: Floats, p: P) -> Trajectory:
+def expected(time: Floats, p: P) -> Trajectory:
     """Sticking and slipping in turns."""
     truth = Trajectory.of(time, 3)
     truth.p_WB[:, 1, 0], truth.v_WB[:, 1, 0] = _block(truth.time, p.static, p.kinetic, p.stiffness, p.drawn)
@@ -103,21 +103,15 @@ def _way(dt: float, p: P) -> float:
     return fastest * 3 * _slips(p.static, p.kinetic, p.stiffness, p.drawn) * dt
 
 
-CASE = Case(
-    name="friction_static_kinetic",
+CASE = Case.of(
+    globals(),
     title="Stick and slip",
     question="Does a drawn block break away at the static coefficient and slip under the kinetic one?",
     source="Rabinowicz, Friction and Wear of Materials, 2nd ed., section 4.10: stick-slip of a spring-drawn slider",
     truth="closed form",
-    scene=_scene,
-    expected=_expected,
     duration=DURATION,
-    parameters=P(),
-    headline=position_error_max.name,
     converges="once",
-    with_contacts=True,
     checks=(
-        stays_finite("friction and a spring keep the block within reach"),
         Check(
             position_error_max,
             lambda dt, p: _way(dt, p) + GIVE,

@@ -55,18 +55,14 @@ def expected(time: Floats, p: P) -> Trajectory:
     return truth
 
 
-CASE = Case(
-    name="friction_stop",
+CASE = Case.of(
+    globals(),
     title="Sliding to a stop",
     question="Does a sliding box stop where and when Coulomb's law says, and stay on the ground on its way?",
     source="Meriam and Kraige, Engineering Mechanics: Dynamics, 7th ed., section 3/4",
     truth="closed form",
-    scene=scene,
-    expected=expected,
-    parameters=P(),
     duration=ByParameters(lambda p: 1.5 * stretch(p)),
     sample_interval=1 / 240,
-    with_contacts=True,
     checks=(
         Check(
             slide.stop_distance_error,
@@ -95,6 +91,5 @@ CASE = Case(
         forces_keep_momentum(),
         *forces_obey_coulomb(),
     ),
-    headline="stop_distance_error",
     converges="once",
 )

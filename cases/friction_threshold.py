@@ -11,17 +11,7 @@ import numpy as np
 from plumbline.harness.case import Case, Check, Parameters, Positive
 from plumbline.harness.case.bounds import G, forces_obey_coulomb
 from plumbline.harness.metrics import slide, statics
-from plumbline.harness.scene import (
-    Body,
-    Box,
-    Effect,
-    PlacedShape,
-    Scene,
-    Surface,
-    axis_angle,
-    box_inertia,
-    rotate,
-)
+from plumbline.harness.scene import Body, Box, Effect, Scene, Surface, axis_angle, rotate
 from plumbline.harness.trajectory import Floats, Trajectory
 
 MASS, SPACING, DURATION = 1.0, 1.0, 1.0
@@ -51,27 +41,10 @@ def scene(p: P) -> Scene:
         turn = axis_angle((0.0, 1.0, 0.0), math.atan(steep * p.friction))
         length = 5 * HALF[0] + _acceleration(steep, p.friction) * DURATION**2
         below = rotate(turn, (0.0, 0.0, -THICKNESS - HALF[2]))
-        box = (PlacedShape(shape=Box(half_extents=HALF)),)
-        incline = (PlacedShape(shape=Box(half_extents=(length, WIDTH, THICKNESS))),)
-        here = (0.0, SPACING * i, 0.0)
+        here, incline = (0.0, SPACING * i, 0.0), Box(half_extents=(length, WIDTH, THICKNESS))
         bodies += [
-            Body(
-                name=f"incline_{i}",
-                motion="static",
-                material="incline",
-                collision=incline,
-                p_WB=(below[0], here[1], below[2]),
-                q_WB=turn,
-            ),
-            Body(
-                name=f"box_{i}",
-                mass=MASS,
-                inertia=box_inertia(MASS, HALF),
-                material="box",
-                collision=box,
-                p_WB=here,
-                q_WB=turn,
-            ),
+            Body.fixed(f"incline_{i}", incline, material="incline", p_WB=(below[0], here[1], below[2]), q_WB=turn),
+            Body.box(f"box_{i}", HALF, mass=MASS, material="box", p_WB=here, q_WB=turn),
         ]
     return Scene(
         bodies=tuple(bodies),
@@ -96,17 +69,13 @@ def expected(time: Floats, p: P) -> Trajectory:
     return truth
 
 
-CASE = Case(
-    name="friction_threshold",
+CASE = Case.of(
+    globals(),
     title="The angle of friction",
     question="At which angle does a box begin to slide, how fast does it slide beyond, and does it stay put below?",
     source="Meriam and Kraige, Engineering Mechanics: Statics, 7th ed., section 6/3",
     truth="closed form",
-    scene=scene,
-    expected=expected,
-    parameters=P(),
     duration=DURATION,
-    with_contacts=True,
     checks=(
         Check(
             statics.threshold_angle_error,

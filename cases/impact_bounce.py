@@ -11,7 +11,7 @@ import numpy as np
 
 from plumbline.harness.case import Case, Check, Parameters, Positive
 from plumbline.harness.case.bounds import SPRING_STEPS, G, forces_keep_momentum
-from plumbline.harness.metrics.restitution import (
+from plumbline.harness.metrics.impacts import (
     HOP,
     bounce_gain,
     bounce_height_error,
@@ -102,19 +102,15 @@ HEIGHT = (
     "lowers the rebound of a spring that takes T = 10 dt by T/(3 t0)"
 )
 
-CASE = Case(
-    name="impact_bounce",
+CASE = Case.of(
+    globals(),
     title="Bouncing balls",
     question="Does a ball come back with the restitution asked for, on time, until it rests, and never higher than before?",
     source="Stronge, Impact Mechanics, 2nd ed.",
     truth="closed form",
-    scene=scene,
-    expected=expected,
-    parameters=P(),
     duration=DURATION,
     # Short hops need three samples to be seen.
     sample_interval=SAMPLE,
-    with_contacts=True,
     checks=(
         Check(bounce_height_error, _height, f"{HEIGHT}; t0 is the time of fall"),
         Check(
@@ -141,6 +137,5 @@ CASE = Case(
         forces_keep_momentum(),
     ),
     observe=(restitution_error, later_restitution_error),
-    headline="bounce_height_error",
     converges="once",
 )

@@ -6,10 +6,11 @@ import numpy as np
 from annotated_types import Interval
 
 from plumbline.harness.case import Case, Check, Parameters, Positive
-from plumbline.harness.case.bounds import G, stays_finite
-from plumbline.harness.metrics import energy, errors, joints
+from plumbline.harness.case.bounds import G
+from plumbline.harness.metrics import conservation, errors, joints
 from plumbline.harness.scene import WORLD, Ball, Body, Scene
 from plumbline.harness.trajectory import Floats, Trajectory
+from plumbline.harness.trajectory.kinematics import about
 
 DURATION = 10.0
 LENGTH, MASS, RADIUS = 1.0, 1.0, 0.05
@@ -25,29 +26,22 @@ def rate(tilt: float, length: float) -> float:
     return float(np.sqrt(G / (length * np.cos(np.radians(tilt)))))
 
 
-def _turn(axis: int, angle: Floats) -> Floats:
-    """The rotation by angles [rad] (t,) about a coordinate axis, (t, 4)."""
-    q = np.zeros((len(angle), 4))
-    q[:, 0], q[:, 1 + axis] = np.cos(angle / 2), np.sin(angle / 2)
-    return q
-
-
-def _expected(time: Floats, p: P) -> Trajectory:
+def expected(time: Floats, p: P) -> Trajectory:
     """The whole pendulum turns about the vertical like one rigid body."""
     truth = Trajectory.of(time, 1)
     theta, w = np.radians(p.tilt), rate(p.tilt, p.length)
     azimuth = w * truth.time
     out = np.stack([np.cos(azimuth), np.sin(azimuth), np.zeros_like(azimuth)], axis=1)
     truth.p_WB[:, 0] = p.length * (np.sin(theta) * out + np.array([0.0, 0.0, -np.cos(theta)]))
-    truth.q_WB[:, 0] = _turn(2, azimuth)
+    truth.q_WB[:, 0] = about(2, azimuth)
     truth.w_WB[:, 0, 2] = w
     truth.v_WB[:, 0] = w * p.length * np.sin(theta) * np.stack([-out[:, 1], out[:, 0], out[:, 2]], axis=1)
     return truth
 
 
-def _scene(p: P) -> Scene:
+def scene(p: P) -> Scene:
     """A ball on a massless rod of `length` [m] on a ball joint at the origin, `tilt` [degrees] from hanging, on its circle."""
-    start = _expected(np.zeros(1), p)
+    start = expected(np.zeros(1), p)
     bob = Body.ball(
         "bob",
         RADIUS,
@@ -77,20 +71,15 @@ def _position(dt: float, p: P) -> float:
     return out * _radius(dt, p) * (1 + rate(p.tilt, p.length) * DURATION)
 
 
-CASE = Case(
-    name="joint_conical_pendulum",
+CASE = Case.of(
+    globals(),
     title="Conical pendulum",
     question="Does a pendulum on a ball joint keep going round on its circle?",
     source="Landau, Lifshitz, Mechanics, 3rd ed., section 14, problem 1: w^2 = g/(l cos(theta))",
     truth="closed form",
-    scene=_scene,
-    expected=_expected,
     duration=DURATION,
-    parameters=P(),
-    headline=errors.radius_error_max.name,
     converges="smoothly",
     checks=(
-        stays_finite("a circle never diverges"),
         Check(
             errors.radius_error_max,
             _radius,
@@ -114,7 +103,7 @@ CASE = Case(
         errors.radius_error_final,
         errors.position_error_final,
         errors.attitude_error_max,
-        energy.energy_drift_max,
-        energy.energy_drift_staggered_max,
+        conservation.energy_drift_max,
+        conservation.energy_drift_staggered_max,
     ),
 )

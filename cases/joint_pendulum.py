@@ -1,27 +1,17 @@
 """A pendulum on a hinge, released from rest: does it keep its period, its energy and its hinge?"""
 
 from functools import lru_cache
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from annotated_types import Interval
 
 from plumbline.harness.case import Case, Check, Parameters, Positive
-from plumbline.harness.case.bounds import G, stays_finite
-from plumbline.harness.metrics import energy, errors, joints, orbit
-from plumbline.harness.scene import (
-    WORLD,
-    Body,
-    Box,
-    Effect,
-    PlacedShape,
-    Revolute,
-    Scene,
-    Sphere,
-    box_inertia,
-    sphere_inertia,
-)
+from plumbline.harness.case.bounds import G
+from plumbline.harness.metrics import conservation, errors, joints, orbit
+from plumbline.harness.scene import WORLD, Body, Box, Effect, Revolute, Scene, Sphere
 from plumbline.harness.trajectory import Floats, Trajectory
+from plumbline.harness.truths.pendulum import hanging, swinging
 
 Kind = Literal["rod", "point"]
 
@@ -39,55 +29,33 @@ class P(Parameters):
     mass: Positive = 1.0
 
 
-def _body(kind: Kind, length: float, mass: float) -> tuple[Body, float]:
-    """The pendulum's body hanging straight down, and the distance [m] of its centre of mass from the hinge at the origin."""
-    if kind == "rod":
-        half = (RADIUS, RADIUS, length / 2)
-        shape = PlacedShape(shape=Box(half_extents=half))
-        return Body(name="pendulum", mass=mass, inertia=box_inertia(mass, half), visual=(shape,)), length / 2
-    shape = PlacedShape(shape=Sphere(radius=RADIUS))
-    return Body(name="pendulum", mass=mass, inertia=sphere_inertia(mass, RADIUS), visual=(shape,)), length
+def _body(p: P, **fields: Any) -> tuple[Body, float]:
+    """The pendulum, and the distance [m] of its centre of mass from the hinge at the origin. Args: fields: of the body."""
+    rod = Box(half_extents=(RADIUS, RADIUS, p.length / 2))
+    shape, distance = (rod, p.length / 2) if p.kind == "rod" else (Sphere(radius=RADIUS), p.length)
+    return Body.solid("pendulum", shape, mass=p.mass, touches=False, **fields), distance
 
 
-def _pose(theta: Floats, distance: float) -> tuple[Floats, Floats]:
-    """Centre of mass (..., 3) m and attitude (..., 4) at angles theta [rad] from the downward vertical, towards +x."""
-    zero = np.zeros_like(theta)
-    p_WB = distance * np.stack([np.sin(theta), zero, -np.cos(theta)], axis=-1)
-    return p_WB, np.stack([np.cos(theta / 2), zero, -np.sin(theta / 2), zero], axis=-1)
-
-
-def _scene(p: P) -> Scene:
+def scene(p: P) -> Scene:
     """A pendulum of `length` [m] on a hinge about y at the origin, at rest at `amplitude` [degrees, 0..180)."""
-    hanging, distance = _body(p.kind, p.length, p.mass)
-    p_WB, q_WB = _pose(np.array(np.radians(p.amplitude)), distance)
-    pendulum = Body(
-        name=hanging.name,
-        mass=hanging.mass,
-        inertia=hanging.inertia,
-        visual=hanging.visual,
-        p_WB=p_WB.tolist(),
-        q_WB=q_WB.tolist(),
-    )
+    p_WB, q_WB = hanging(np.array(np.radians(p.amplitude)), _body(p)[1])
+    pendulum, _ = _body(p, p_WB=p_WB.tolist(), q_WB=q_WB.tolist())
     hinge = Revolute(name="hinge", parent=WORLD, child="pendulum", anchor_W=(0.0, 0.0, 0.0), axis_W=(0.0, 1.0, 0.0))
     return Scene(bodies=(pendulum,), joints=(hinge,), narrow=Effect.GYROSCOPIC)
 
 
-def _small_rate(kind: Kind, length: float, mass: float) -> tuple[float, float]:
+def _small_rate(p: P) -> tuple[float, float]:
     """Angular frequency [rad/s] of small swings, sqrt(m g d/(I + m d^2)), and d [m]."""
-    body, d = _body(kind, length, mass)
-    return float(np.sqrt(mass * G * d / (body.inertia[1][1] + mass * d * d))), d
+    body, d = _body(p)
+    return float(np.sqrt(p.mass * G * d / (body.inertia[1][1] + p.mass * d * d))), d
 
 
-def _expected(time: Floats, p: P) -> Trajectory:
-    """sin(theta/2) = k sn(K - w0 t, k), theta' = -2 k w0 cn(K - w0 t, k), k = sin(theta0/2)."""
-    from scipy.special import ellipj, ellipk  # late: a listing must not pay for it
-
-    rate, distance = _small_rate(p.kind, p.length, p.mass)
-    k = float(np.sin(np.radians(p.amplitude) / 2))
+def expected(time: Floats, p: P) -> Trajectory:
+    """Jacobi's elliptic functions."""
+    rate, distance = _small_rate(p)
     truth = Trajectory.of(time, 1)
-    sn, cn, _, _ = ellipj(ellipk(k * k) - rate * truth.time, k * k)
-    theta, turning = 2.0 * np.arcsin(k * sn), -2.0 * k * rate * cn
-    truth.p_WB[:, 0], truth.q_WB[:, 0] = _pose(theta, distance)
+    theta, turning = swinging(truth.time, rate, np.radians(p.amplitude))
+    truth.p_WB[:, 0], truth.q_WB[:, 0] = hanging(theta, distance)
     truth.w_WB[:, 0, 1] = -turning
     truth.v_WB[:, 0] = np.cross(truth.w_WB[:, 0], truth.p_WB[:, 0])
     return truth
@@ -96,7 +64,7 @@ def _expected(time: Floats, p: P) -> Trajectory:
 @lru_cache(maxsize=8)
 def _swing(p: P) -> tuple[float, float, float, float]:
     """w0 [rad/s], d [m], the largest theta' = 2 k w0 [rad/s] and the height 1 - cos(theta0) [d]."""
-    rate, distance = _small_rate(p.kind, p.length, p.mass)
+    rate, distance = _small_rate(p)
     return rate, distance, float(2.0 * np.sin(np.radians(p.amplitude) / 2) * rate), float(1 - np.cos(np.radians(p.amplitude)))
 
 
@@ -124,20 +92,15 @@ def _position(dt: float, p: P) -> float:
     return distance * fastest * (dt + _period_error(dt, p) * DURATION) + _gap(dt, p)
 
 
-CASE = Case(
-    name="joint_pendulum",
+CASE = Case.of(
+    globals(),
     title="Pendulum",
     question="Does a pendulum keep its period and its energy, and does its hinge hold?",
     source="Landau, Lifshitz, Mechanics, 3rd ed., section 11, problem 1; Jacobi's elliptic functions",
     truth="closed form",
-    scene=_scene,
-    expected=_expected,
     duration=DURATION,
-    parameters=P(),
-    headline=errors.position_error_max.name,
     converges="smoothly",
     checks=(
-        stays_finite("a pendulum never diverges"),
         Check(
             errors.position_error_max,
             _position,
@@ -151,7 +114,7 @@ CASE = Case(
             "longer; 1e-6 for interpolation between samples",
         ),
         Check(
-            energy.energy_drift_max,
+            conservation.energy_drift_max,
             _energy,
             "position and velocity half a step apart make (w0/2) dt without any loss, taken twice for maximal "
             "coordinates and higher orders; a hinge's gap adds its height. Damping of 0.04/s would lose a third in 10 s",
@@ -164,8 +127,8 @@ CASE = Case(
         ),
     ),
     observe=(
-        energy.energy_drift_staggered_max,
-        energy.energy_drift_final,
+        conservation.energy_drift_staggered_max,
+        conservation.energy_drift_final,
         orbit.phase_error,
         errors.position_error_rms,
         errors.position_error_final,

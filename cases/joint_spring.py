@@ -5,7 +5,6 @@ from functools import lru_cache
 import numpy as np
 
 from plumbline.harness.case import Axis, Case, Check, Parameters, Positive
-from plumbline.harness.case.bounds import stays_finite
 from plumbline.harness.metrics import errors
 from plumbline.harness.metrics.joints import joint_gap_max
 from plumbline.harness.scene import WORLD, Body, Effect, Prismatic, Scene, Spring
@@ -26,7 +25,7 @@ class P(Parameters):
     stretch: float = STRETCH
 
 
-def _scene(p: P) -> Scene:
+def scene(p: P) -> Scene:
     """One mass for each damping ratio, side by side, on a rail along x, released `stretch` [m] from its spring's rest."""
     bodies, joints = [], []
     for k, ratio in enumerate(p.ratios):
@@ -66,7 +65,7 @@ def _motion(time: Floats, ratio: float, rate: float, stretch: float) -> tuple[Fl
     return stretch * (fast * one - slow * two) / (fast - slow), stretch * slow * fast * (one - two) / (fast - slow)
 
 
-def _expected(time: Floats, p: P) -> Trajectory:
+def expected(time: Floats, p: P) -> Trajectory:
     """The closed form of the damped oscillator."""
     truth = Trajectory.of(time, len(p.ratios))
     for k, ratio in enumerate(p.ratios):
@@ -96,22 +95,17 @@ def _first_order(p: P) -> Floats:
     return worst
 
 
-CASE = Case(
-    name="joint_spring",
+CASE = Case.of(
+    globals(),
     title="Spring and damper",
     question="Does a mass on a spring and damper move as its damping ratio says, below, at and above the critical one?",
     source="Meriam and Kraige, Engineering Mechanics: Dynamics, 7th ed., section 8/2",
     truth="closed form",
-    scene=_scene,
-    expected=_expected,
     duration=DURATION,
-    parameters=P(),
     hard=Axis(parameter="rate", unit="rad/s", easy=6.0, extreme=6e4, lost=1.0),
-    headline=errors.position_error_max.name,
     converges="smoothly",
     scale=STRETCH,
     checks=(
-        stays_finite("a damped mass comes to rest"),
         Check(errors.position_error_max, lambda dt, p: float(2 * _first_order(p)[0]) * dt, FIRST_ORDER),
         Check(errors.velocity_error_max, lambda dt, p: float(2 * _first_order(p)[1]) * dt, FIRST_ORDER),
         Check(joint_gap_max, 1e-6, "nothing pushes a mass off its rail; 1e-6 m is single-precision rounding"),

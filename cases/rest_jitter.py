@@ -30,19 +30,15 @@ def scene(p: P) -> Scene:
 
 expected = resting(scene)
 
-CASE = Case(
-    name="rest_jitter",
+CASE = Case.of(
+    globals(),
     title="Standing still",
     question="Does what should rest, rest?",
     source="statics: each box in equilibrium under its weight and the forces of its neighbours",
     truth="rest",
-    scene=scene,
-    expected=expected,
-    parameters=P(),
     duration=DURATION,
     # Every step: a jitter from step to step is invisible, or takes the look of a slow one, between samples further apart.
     sample_interval=0.0,
-    with_contacts=True,
     checks=(
         Check(
             jitter.rms_speed,
@@ -84,6 +80,5 @@ CASE = Case(
         ),
     ),
     observe=(contacts.penetration,),
-    headline="rms_speed",
     scale=G / 240,
 )

@@ -2,30 +2,12 @@
 
 from plumbline.harness.case import Case, Check, NotNegative, Parameters
 from plumbline.harness.case.bounds import GIVE, G, bears, settled_speed, supported
-from plumbline.harness.metrics import contact_residuals, contacts, jitter
-from plumbline.harness.scene import (
-    Body,
-    Box,
-    Capsule,
-    Cylinder,
-    PlacedShape,
-    Quaternion,
-    Scene,
-    Shape,
-    Sphere,
-    Surface,
-    axis_angle,
-    box_inertia,
-    capsule_inertia,
-    cylinder_inertia,
-    sphere_inertia,
-)
-from plumbline.harness.scene.values import Matrix3
+from plumbline.harness.metrics import contacts, jitter
+from plumbline.harness.scene import Body, Box, Capsule, Cylinder, Scene, Shape, Sphere, Surface, axis_angle
 from plumbline.harness.truths.rest import resting
 
 MASS, HALF = 1.0, 0.1
 SETTLED, DURATION = 1.0, 2.0
-UNTURNED: Quaternion = (1.0, 0.0, 0.0, 0.0)
 
 
 class P(Parameters):
@@ -35,40 +17,28 @@ class P(Parameters):
 
 def scene(p: P) -> Scene:
     """A box, sphere or cylinder of half-height HALF standing on a plane, or a capsule lying on it; it just touches."""
-    laid = axis_angle((0.0, 1.0, 0.0), 1.5707963267948966)
-    choices: dict[str, tuple[Matrix3, Shape, Quaternion]] = {
-        "box": (box_inertia(MASS, (HALF, HALF, HALF)), Box(half_extents=(HALF, HALF, HALF)), UNTURNED),
-        "sphere": (sphere_inertia(MASS, HALF), Sphere(radius=HALF), UNTURNED),
-        "cylinder": (cylinder_inertia(MASS, HALF, HALF), Cylinder(radius=HALF, half_length=HALF), UNTURNED),
-        "capsule": (capsule_inertia(MASS, HALF, HALF), Capsule(radius=HALF, half_length=HALF), laid),
+    shapes: dict[str, Shape] = {
+        "box": Box(half_extents=(HALF, HALF, HALF)),
+        "sphere": Sphere(radius=HALF),
+        "cylinder": Cylinder(radius=HALF, half_length=HALF),
+        "capsule": Capsule(radius=HALF, half_length=HALF),
     }
-    inertia, placed, q_WB = choices[p.shape]
-    body = Body(
-        name=p.shape,
-        mass=MASS,
-        inertia=inertia,
-        collision=(PlacedShape(shape=placed),),
-        p_WB=(0.0, 0.0, HALF),
-        q_WB=q_WB,
-    )
+    laid = axis_angle((0.0, 1.0, 0.0), 1.5707963267948966) if p.shape == "capsule" else (1.0, 0.0, 0.0, 0.0)
+    body = Body.solid(p.shape, shapes[p.shape], mass=MASS, p_WB=(0.0, 0.0, HALF), q_WB=laid)
     return Scene(bodies=(Body.ground("default"), body), surfaces=(Surface.rough(p.friction),))
 
 
 expected = resting(scene)
 
-CASE = Case(
-    name="rest_penetration",
+CASE = Case.of(
+    globals(),
     title="One body at rest",
     question="How deep does a body at rest sink into the ground, and does the ground bear just its weight?",
     source="statics: a rigid body on a rigid plane neither sinks nor moves; its support equals its weight",
     truth="rest",
-    scene=scene,
-    expected=expected,
-    parameters=P(),
     duration=DURATION,
     # Every step: a body that sinks by its first step's fall is deepest then.
     sample_interval=0.0,
-    with_contacts=True,
     steady=SETTLED,
     checks=(
         bears("the body"),
@@ -82,11 +52,10 @@ CASE = Case(
     ),
     observe=(
         contacts.reported_penetration,
-        contact_residuals.signorini_residual,
-        contact_residuals.cone_residual,
-        contact_residuals.dissipation_residual,
+        contacts.signorini_residual,
+        contacts.cone_residual,
+        contacts.dissipation_residual,
     ),
     insists={"friction": "nothing pushes sideways; under an engine's own noise friction is what keeps a body in its place"},
-    headline=contacts.penetration.name,
     scale=HALF,
 )

@@ -1,12 +1,10 @@
 """A hall seen by a stereo, a structured-light and a time-of-flight camera: has each the noise and the gaps of its principle?"""
 
-from dataclasses import replace
-
 import numpy as np
 
 from plumbline.harness.case import Case, Check, NotNegative, Parameters
-from plumbline.harness.case.bounds import SINGLE, stays_finite
-from plumbline.harness.metrics import depth_noise, pictures
+from plumbline.harness.case.bounds import SINGLE
+from plumbline.harness.metrics import cameras
 from plumbline.harness.scene import (
     Appearance,
     Body,
@@ -23,9 +21,7 @@ from plumbline.harness.scene import (
     Vector3,
     axis_angle,
 )
-from plumbline.harness.sensors.true_frames import stamps_up_to, true_frames
-from plumbline.harness.trajectory import Floats, Trajectory
-from plumbline.harness.truths.rest import at_rest
+from plumbline.harness.sensors.true_views import seen
 
 DURATION, RATE = 0.3, 10.0
 WIDTH, HEIGHT, FOCAL = 128, 96, 120.0
@@ -80,7 +76,7 @@ def _camera(name: str, noise: DepthNoise) -> DepthCamera:
     )
 
 
-def _scene(p: P) -> Scene:
+def scene(p: P) -> Scene:
     """A floor, a wall with a mirror, a pane of glass and a black panel on it, a block before them; a low sun from behind."""
     pale = Appearance(reflectivity=0.8)
     on_wall = Box(half_extents=(0.05, 0.6, 0.5))
@@ -98,62 +94,47 @@ def _scene(p: P) -> Scene:
     return Scene(bodies=bodies, sensors=cameras, gravity=(0.0, 0.0, 0.0), sun=sun)
 
 
-def _expected(time: Floats, p: P) -> Trajectory:
-    """Nothing moves; the ideal depths, and what each principle cannot see, by closed-form rays."""
-    scene = _scene(p)
-    truth = at_rest(scene, time)
-    stamps = stamps_up_to(float(truth.time[-1]), RATE) if len(truth) else truth.time
-    streams: dict[str, Floats] = {}
-    for camera in scene.sensors:
-        assert isinstance(camera, DepthCamera)
-        streams |= true_frames(scene, camera, stamps)
-    return replace(truth, streams=streams)
-
+expected = seen(scene)
 
 WITHIN = "five standard deviations: a false alarm in 6 of 10 million runs"
 
-CASE = Case(
-    name="sensor_depth_noise",
+CASE = Case.of(
+    globals(),
     title="Noise of depth cameras",
     question="Have depths by stereo, structured light and time of flight the noise, steps and gaps of their principle?",
     source="Khoshelham, Elberink, Sensors 12 (2012) 1437; Gallup et al., CVPR 2008; Hansard et al., Time-of-Flight Cameras",
     truth="statistics",
-    scene=_scene,
-    expected=_expected,
     duration=DURATION,
-    parameters=P(),
     sample_interval=0.1,
     # What is seen does not depend on the time step: one is enough.
     ladder=(1 / 240,),
-    headline=pictures.depth_error_max.name,
     checks=(
-        stays_finite("nothing moves, so nothing can grow"),
         Check(
-            pictures.depth_error_max,
+            cameras.depth_error_max,
             8 * SINGLE * FAR / GRAZING,
             "single precision: eight roundings of the longest depth, enlarged by 1/cos of the most grazing pixel; rays "
             "in double precision stay below 1e-12 m",
         ),
-        Check(depth_noise.depth_mean_score, 5.0, f"{WITHIN}; the worst of 24 bands in 1 of 70 000"),
+        Check(cameras.depth_mean_score, 5.0, f"{WITHIN}; the worst of 24 bands in 1 of 70 000"),
         Check(
-            depth_noise.depth_spread_score,
+            cameras.depth_spread_score,
             5.0,
             f"chi-squared of the squares as a normal score; {WITHIN}; the worst of 24 bands in 1 of 70 000",
         ),
-        Check(depth_noise.depth_correlation_score, 5.0, f"largest of nine; {WITHIN} each"),
-        Check(depth_noise.depth_missing_score, 5.0, f"Wilson's interval at z = 5 holds the law; {WITHIN}, of three"),
+        Check(cameras.depth_correlation_score, 5.0, f"largest of nine; {WITHIN} each"),
+        Check(cameras.depth_missing_score, 5.0, f"Wilson's interval at z = 5 holds the law; {WITHIN}, of three"),
         Check(
-            depth_noise.depth_lost_but_answered_share,
+            cameras.depth_lost_but_answered_share,
             0.0,
             "no pixel lies so close to the edge of a shadow, or to a bound of light or angle, that rounding decides it",
         ),
         Check(
-            depth_noise.disparity_step_error,
+            cameras.disparity_step_error,
             1e-12,
             "f b over a depth that was f b over a multiple of the step: three roundings in double precision of at most "
             "200 steps stay below 2e-13",
         ),
-        Check(depth_noise.range_unwrapped_share, 0.0, "a phase has no second turn"),
+        Check(cameras.range_unwrapped_share, 0.0, "a phase has no second turn"),
     ),
-    observe=(pictures.depth_error_median,),
+    observe=(cameras.depth_error_median,),
 )

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 
 from plumbline.harness.case import Case, Check, Parameters
-from plumbline.harness.case.bounds import SINGLE, stays_finite
-from plumbline.harness.metrics.pictures import depth_error_max, depth_error_median, depth_error_rms, silhouette_iou
+from plumbline.harness.case.bounds import SINGLE
+from plumbline.harness.metrics.cameras import depth_error_max, depth_error_median, depth_error_rms, silhouette_iou
 from plumbline.harness.scene import Body, DepthCamera, Plane, Scene, axis_angle, multiply
 from plumbline.harness.sensors.pinhole import intrinsics, pixel_centres
 from plumbline.harness.sensors.true_frames import stamps_up_to
@@ -27,7 +27,7 @@ class P(Parameters):
     speed: float = 1.5
 
 
-def _scene(p: P) -> Scene:
+def scene(p: P) -> Scene:
     """A plane through (6, 0, 0), upright but for `tilt` [rad], and a camera that comes nearer at `speed` [m/s]."""
     plane = Body.fixed("plane", Plane(normal=(-1.0, 0.0, 0.0)), p_WB=(6.0, 0.0, 0.0), q_WB=axis_angle((0.2, 1.0, 0.3), p.tilt))
     carrier = Body(
@@ -50,13 +50,13 @@ def _scene(p: P) -> Scene:
     return Scene(bodies=(plane, carrier), sensors=(camera,), gravity=(0.0, 0.0, 0.0))
 
 
-def _expected(time: Floats, p: P) -> Trajectory:
+def expected(time: Floats, p: P) -> Trajectory:
     """z = d / (n . K^-1 (u, v, 1)) for a plane n . p = d in the frame of the camera; the carrier moves evenly."""
-    scene = _scene(p)
-    camera, plane, carrier = scene.sensors[0], scene.bodies[0], scene.bodies[1]
+    stage = scene(p)
+    camera, plane, carrier = stage.sensors[0], stage.bodies[0], stage.bodies[1]
     assert isinstance(camera, DepthCamera)
     truth = Trajectory.of(time, 2)
-    truth.p_WB[:], truth.q_WB[:] = [b.p_WB for b in scene.bodies], [b.q_WB for b in scene.bodies]
+    truth.p_WB[:], truth.q_WB[:] = [b.p_WB for b in stage.bodies], [b.q_WB for b in stage.bodies]
     truth.p_WB[:, 1, 0] += p.speed * truth.time
     truth.v_WB[:, 1, 0] = p.speed
     stamps = stamps_up_to(float(truth.time[-1]), RATE) if len(truth) else np.zeros(0)
@@ -78,22 +78,18 @@ def _expected(time: Floats, p: P) -> Trajectory:
     return replace(truth, streams=streams)
 
 
-CASE = Case(
-    name="sensor_depth_plane",
+CASE = Case.of(
+    globals(),
     title="Depth of a plane",
     question="Is the depth of a plane what its equation says at every pixel, from a camera that moves?",
     source="Hartley, Zisserman, Multiple View Geometry, 2nd ed., section 6.1: z = d / (n . K^-1 (u, v, 1))",
     truth="closed form",
-    scene=_scene,
-    expected=_expected,
     duration=DURATION,
-    parameters=P(),
     sample_interval=0.1,
     # Steady motion is the same at every step; two steps show that the frames keep their times.
     ladder=(1 / 60, 1 / 240),
     headline=depth_error_median.name,
     checks=(
-        stays_finite("nothing pushes, so nothing can grow"),
         Check(
             depth_error_max,
             8 * SINGLE * FAR / GRAZING,

@@ -5,9 +5,8 @@ from dataclasses import replace
 import numpy as np
 
 from plumbline.harness.case import Case, Check, Parameters, Positive, Step
-from plumbline.harness.case.bounds import stays_finite
 from plumbline.harness.case.forces import Control
-from plumbline.harness.metrics.inertial_readings import accelerometer_lag_error, gyroscope_lag_error, time_stamp_error
+from plumbline.harness.metrics.readings import accelerometer_lag_error, gyroscope_lag_error, time_stamp_error
 from plumbline.harness.scene import Body, Imu, Scene, axis_angle, sphere_inertia
 from plumbline.harness.trajectory import Floats, State, Trajectory
 from plumbline.harness.trajectory.kinematics import rotate_back
@@ -24,7 +23,7 @@ class P(Parameters):
     frequency: Positive = FREQUENCY
 
 
-def _scene(_: P) -> Scene:
+def scene(_: P) -> Scene:
     """A ball with two sensors: one that the engine may read by its own means, one that differences velocities and is late."""
     ball = Body.ball("ball", RADIUS, mass=MASS, touches=False)
     own = Imu(name="own", body="ball", rate=RATE, q_BS=MOUNTING)
@@ -32,7 +31,7 @@ def _scene(_: P) -> Scene:
     return Scene(bodies=(ball,), sensors=(own, late), gravity=(0.0, 0.0, 0.0))
 
 
-def _control(p: P) -> Control:
+def control(p: P) -> Control:
     """Force and torque along z as sin and cos of the time, so that the turning does not mix the axes."""
     inertia = sphere_inertia(MASS, RADIUS)[2][2]
 
@@ -44,7 +43,7 @@ def _control(p: P) -> Control:
     return Control(wrench=wrench)
 
 
-def _expected(time: Floats, p: P) -> Trajectory:
+def expected(time: Floats, p: P) -> Trajectory:
     """What is there to be felt at the instants of the time stamps: a sin(Wt), and b/W sin(Wt) turning."""
     truth = Trajectory.of(time, 1)
     pulse = 2 * np.pi * p.frequency
@@ -71,22 +70,16 @@ def _late(dt: Step, _: P) -> float:
     return dt.outer + 1e-6
 
 
-CASE = Case(
-    name="sensor_imu_lag",
+CASE = Case.of(
+    globals(),
     title="Lag of inertial sensors",
     question="Are readings of a shaken body late by their latency alone, plus half an interval where they are differences?",
     source="Knapp, Carter, The generalized correlation method for estimation of time delay (1976); centre of a difference",
     truth="closed form",
-    scene=_scene,
-    control=_control,
-    expected=_expected,
     duration=DURATION,
-    parameters=P(),
     dt=1 / 240,
     ladder=(1 / 120, 1 / 240, 1 / 360, 1 / 480, 1 / 960),
-    headline=accelerometer_lag_error.name,
     checks=(
-        stays_finite("a ball shaken by a bounded force never diverges"),
         Check(
             accelerometer_lag_error,
             _late,

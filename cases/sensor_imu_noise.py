@@ -6,8 +6,8 @@ from functools import partial
 import numpy as np
 
 from plumbline.harness.case import Case, Check, NotNegative, Parameters
-from plumbline.harness.case.bounds import SINGLE, stays_finite
-from plumbline.harness.metrics import allan, inertial_noise, inertial_readings
+from plumbline.harness.case.bounds import SINGLE
+from plumbline.harness.metrics import inertial_noise, readings
 from plumbline.harness.scene import AxisNoise, Body, Imu, ImuNoise, Scene, axis_angle
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.trajectory.kinematics import rotate_back
@@ -26,7 +26,7 @@ class P(Parameters):
     lever: NotNegative = 0.3
 
 
-def _scene(p: P) -> Scene:
+def scene(p: P) -> Scene:
     """A free ball turning about z at `spin` [rad/s], with a sensor `lever` [m] off its axis, turned against the ball."""
     ball = Body.ball("ball", 0.5, touches=False, w_WB=(0.0, 0.0, p.spin))
     imu = Imu(
@@ -41,7 +41,7 @@ def _scene(p: P) -> Scene:
     return Scene(bodies=(ball,), sensors=(imu,), gravity=(0.0, 0.0, 0.0))
 
 
-def _expected(time: Floats, p: P) -> Trajectory:
+def expected(time: Floats, p: P) -> Trajectory:
     """Steady rotation, and what an ideal sensor reads in it that differences velocities, as it does in every engine.
 
     The mean acceleration over an interval T of a circle of radius r is the chord of the velocity's own circle over T: it has
@@ -65,15 +65,15 @@ def _acceleration(dt: float, p: P) -> float:
 
 def _slope_checks() -> tuple[Check, ...]:
     count = round(DURATION * RATE)
-    laws: dict[allan.Channel, AxisNoise] = {"gyroscope": GYROSCOPE, "accelerometer": ACCELEROMETER}
-    regimes: tuple[allan.Regime, ...] = ("white", "floor", "random_walk")
+    laws: dict[inertial_noise.Channel, AxisNoise] = {"gyroscope": GYROSCOPE, "accelerometer": ACCELEROMETER}
+    regimes: tuple[inertial_noise.Regime, ...] = ("white", "floor", "random_walk")
 
-    def bound(law: AxisNoise, regime: allan.Regime, _dt: float, _p: P) -> float:
-        return allan.slope_bound(law, regime, count, 1.0 / RATE)
+    def bound(law: AxisNoise, regime: inertial_noise.Regime, _dt: float, _p: P) -> float:
+        return inertial_noise.slope_bound(law, regime, count, 1.0 / RATE)
 
     return tuple(
         Check(
-            allan.SLOPES[channel, regime],
+            inertial_noise.SLOPES[channel, regime],
             partial(bound, law, regime),
             "the part that the law's other processes have in the slope over this window, and five standard deviations",
         )
@@ -84,35 +84,30 @@ def _slope_checks() -> tuple[Check, ...]:
 
 FIVE = "five standard deviations: each comparison raises a false alarm in 6 of 10 million runs, "
 
-CASE = Case(
-    name="sensor_imu_noise",
+CASE = Case.of(
+    globals(),
     title="Noise of an inertial sensor",
     question="Are acceleration and turning right at a lever arm, and has the noise the Allan deviation of its law?",
     source="IEEE Std 952-1997, annex C; Titterton, Weston, Strapdown Inertial Navigation Technology, 2nd ed., chapter 11",
     truth="statistics",
-    scene=_scene,
-    expected=_expected,
     duration=DURATION,
-    parameters=P(),
     sample_interval=0.1,
     dt=1 / 120,
     ladder=(1 / 120, 1 / 240, 1 / 360, 1 / 480, 1 / 720, 1 / 960),
-    headline=inertial_readings.accelerometer_ideal_error.name,
     checks=(
-        stays_finite("a free ball never diverges"),
         Check(
-            inertial_readings.accelerometer_ideal_error,
+            readings.accelerometer_ideal_error,
             _acceleration,
             "w^2 r (w dt)^2/12 for an attitude updated to second order a step, and single-precision rounding of the "
             "velocities that are differenced",
         ),
         Check(
-            inertial_readings.gyroscope_ideal_error,
+            readings.gyroscope_ideal_error,
             lambda _, p: 16 * SINGLE * p.spin,
             "no torque acts, so the rate stays what it was; a few roundings in single precision",
         ),
-        Check(allan.gyroscope_allan_score, 5.0, FIVE + "the largest of 36 in 2 of 100 000"),
-        Check(allan.accelerometer_allan_score, 5.0, FIVE + "the largest of 36 in 2 of 100 000"),
+        Check(inertial_noise.gyroscope_allan_score, 5.0, FIVE + "the largest of 36 in 2 of 100 000"),
+        Check(inertial_noise.accelerometer_allan_score, 5.0, FIVE + "the largest of 36 in 2 of 100 000"),
         Check(inertial_noise.inertial_bias_score, 5.0, FIVE + "the largest of 6 in 3 of a million"),
         Check(inertial_noise.inertial_correlation_score, 5.0, FIVE + "the largest of 15 pairs in 9 of a million"),
         *_slope_checks(),

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 
 from plumbline.harness.case import Case, Check, Parameters, Positive
-from plumbline.harness.case.bounds import SINGLE, G, stays_finite
+from plumbline.harness.case.bounds import SINGLE, G
 from plumbline.harness.case.forces import Control
-from plumbline.harness.metrics.inertial_readings import accelerometer_ideal_error, gyroscope_ideal_error, inertial_readout_error
+from plumbline.harness.metrics.readings import accelerometer_ideal_error, gyroscope_ideal_error, inertial_readout_error
 from plumbline.harness.scene import (
     AxisNoise,
     Body,
@@ -33,7 +33,7 @@ class P(Parameters):
     spin_up: Positive = SPIN_UP
 
 
-def _scene(_: P) -> Scene:
+def scene(_: P) -> Scene:
     """A ball at rest, held up and spun up about z by the control, with a sensor at its centre, turned against it."""
     ball = Body.ball("ball", RADIUS, mass=MASS, touches=False)
     law = ImuNoise(accelerometer=ACCELEROMETER, gyroscope=GYROSCOPE)
@@ -41,7 +41,7 @@ def _scene(_: P) -> Scene:
     return Scene(bodies=(ball,), sensors=(imu,))
 
 
-def _control(p: P) -> Control:
+def control(p: P) -> Control:
     """The weight borne, and the torque that spins the ball up by `spin_up` [rad/s2]."""
     force = np.array([[0.0, 0.0, MASS * G]])
     torque = np.array([[0.0, 0.0, sphere_inertia(MASS, RADIUS)[2][2] * p.spin_up]])
@@ -52,7 +52,7 @@ def _control(p: P) -> Control:
     return Control(wrench=wrench)
 
 
-def _expected(time: Floats, p: P) -> Trajectory:
+def expected(time: Floats, p: P) -> Trajectory:
     """The weight is felt along z, which is the axis of the spin as well: both signals stand still in S but for w = a t."""
     truth = Trajectory.of(time, 1)
     angle = p.spin_up * truth.time**2 / 2
@@ -70,20 +70,14 @@ def _expected(time: Floats, p: P) -> Trajectory:
     return replace(truth, streams=streams)
 
 
-CASE = Case(
-    name="sensor_imu_readout",
+CASE = Case.of(
+    globals(),
     title="Digits of an inertial sensor",
     question="Are readings the nearest levels, within their bounds, of a signal that is seen askew and out of scale?",
     source="IEEE Std 1293-2018; Widrow, Kollar, Quantization Noise (2008), section 1.1",
     truth="closed form",
-    scene=_scene,
-    control=_control,
-    expected=_expected,
     duration=DURATION,
-    parameters=P(),
-    headline=inertial_readout_error.name,
     checks=(
-        stays_finite("a steady torque never makes a ball diverge in two seconds"),
         Check(
             inertial_readout_error,
             1e-9,

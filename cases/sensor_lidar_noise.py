@@ -1,12 +1,10 @@
 """A scanning range finder in a room of primitives: are the ideal ranges right, and does their noise follow its law?"""
 
-from dataclasses import replace
-
 import numpy as np
 
 from plumbline.harness.case import Case, Check, Count, Parameters
-from plumbline.harness.case.bounds import SINGLE, stays_finite
-from plumbline.harness.metrics import range_error, range_noise
+from plumbline.harness.case.bounds import SINGLE
+from plumbline.harness.metrics import ranges
 from plumbline.harness.scene import (
     Appearance,
     Body,
@@ -23,9 +21,7 @@ from plumbline.harness.scene import (
     Vector3,
     axis_angle,
 )
-from plumbline.harness.sensors.true_scans import true_scans
-from plumbline.harness.trajectory import Floats, Trajectory
-from plumbline.harness.truths.rest import at_rest
+from plumbline.harness.sensors.true_views import seen
 
 DURATION = 1.0
 RATE = 10.0
@@ -49,7 +45,7 @@ def _fixture(name: str, shape: Shape, p_WB: Vector3, q_WB: Quaternion = UNTURNED
     return Body.fixed(name, shape, p_WB=p_WB, q_WB=q_WB, appearance=look)
 
 
-def _scene(p: P) -> Scene:
+def scene(p: P) -> Scene:
     """A room with a ball, a box, a capsule and a cylinder, seen from a resting carrier tilted by `tilt` [rad]."""
     x, y, z = HALF
     t = 0.1
@@ -83,59 +79,47 @@ def _scene(p: P) -> Scene:
     return Scene(bodies=(*walls, *contents, carrier), sensors=(lidar,), gravity=(0.0, 0.0, 0.0))
 
 
-def _expected(time: Floats, p: P) -> Trajectory:
-    """Nothing moves; the ranges are the closed-form first hits of the beams."""
-    scene = _scene(p)
-    lidar = scene.sensors[0]
-    assert isinstance(lidar, Lidar)
-    truth = at_rest(scene, time)
-    return replace(truth, streams=true_scans(scene, lidar, float(truth.time[-1])) if len(truth) else {})
-
+expected = seen(scene)
 
 LONGEST = 2.0 * float(np.linalg.norm(HALF))
 RANGE_BOUND = 8 * SINGLE * LONGEST / GRAZING
 WITHIN = "five standard deviations: a false alarm in 6 of 10 million runs"
 
-CASE = Case(
-    name="sensor_lidar_noise",
+CASE = Case.of(
+    globals(),
     title="Noise of a range finder",
     question="Do an engine's rays meet the primitives where geometry says, and has the noise laid over them its law?",
     source="Thrun, Burgard, Fox, Probabilistic Robotics, section 6.3; closed-form intersection of rays and primitives",
     truth="statistics",
-    scene=_scene,
-    expected=_expected,
     duration=DURATION,
-    parameters=P(),
     sample_interval=0.1,
-    headline=range_error.range_error_max.name,
     checks=(
-        stays_finite("nothing moves, so nothing can grow"),
         Check(
-            range_error.range_error_max,
+            ranges.range_error_max,
             RANGE_BOUND,
             "single precision: eight roundings of the room's diagonal, enlarged by 1/cos of the most grazing beam; "
             "rays in double precision stay below 1e-12 m",
         ),
         Check(
-            range_error.range_false_return_share,
+            ranges.range_false_return_share,
             0.0,
             "no beam passes the edge of a shape so closely that rounding decides what it meets",
         ),
         Check(
-            range_error.intensity_error_max,
+            ranges.intensity_error_max,
             RANGE_BOUND / 0.25,
             "a hit that lies wrong by the bound of the range turns the normal of the most curved shape (radius 0.25 m) "
             "by that over the radius",
         ),
-        Check(range_noise.range_mean_score, 5.0, WITHIN),
-        Check(range_noise.range_spread_score, 5.0, f"chi-squared of the squares as a normal score; {WITHIN}"),
+        Check(ranges.range_mean_score, 5.0, WITHIN),
+        Check(ranges.range_spread_score, 5.0, f"chi-squared of the squares as a normal score; {WITHIN}"),
         Check(
-            range_noise.range_distribution_distance,
+            ranges.range_distribution_distance,
             2.73,
             "Kolmogorov: sqrt(n) D exceeds x with probability 2 exp(-2 x^2), 7 in 10 million at 2.73",
         ),
-        Check(range_noise.range_correlation_score, 5.0, f"largest of three; {WITHIN} each"),
-        Check(range_noise.dropout_score, 5.0, f"Wilson's interval at z = 5 holds the law; {WITHIN}"),
+        Check(ranges.range_correlation_score, 5.0, f"largest of three; {WITHIN} each"),
+        Check(ranges.dropout_score, 5.0, f"Wilson's interval at z = 5 holds the law; {WITHIN}"),
     ),
-    observe=(range_error.range_error_rms, range_error.range_error_median),
+    observe=(ranges.range_error_rms, ranges.range_error_median),
 )

@@ -1,14 +1,10 @@
 """A range finder in front of a convex hull and of a triangle mesh: does every beam end on a face?"""
 
-from dataclasses import replace
-
 from plumbline.harness.case import Case, Check, Count, Parameters
-from plumbline.harness.case.bounds import SINGLE, stays_finite
-from plumbline.harness.metrics import range_error
+from plumbline.harness.case.bounds import SINGLE
+from plumbline.harness.metrics import ranges
 from plumbline.harness.scene import WORLD, Body, ConvexHull, Lidar, Quaternion, Scene, TriangleMesh, Vector3, axis_angle
-from plumbline.harness.sensors.true_scans import true_scans
-from plumbline.harness.trajectory import Floats, Trajectory
-from plumbline.harness.truths.rest import at_rest
+from plumbline.harness.sensors.true_views import seen
 
 DURATION, RATE = 0.2, 10.0
 UNTURNED: Quaternion = (1.0, 0.0, 0.0, 0.0)
@@ -29,7 +25,7 @@ class P(Parameters):
     columns: Count = 180
 
 
-def _scene(p: P) -> Scene:
+def scene(p: P) -> Scene:
     """Two turned polyhedra to the sides of a range finder that hangs in the world."""
     hull = Body.fixed("hull", ConvexHull(vertices=HULL), p_WB=(2.1, 0.3, 0.1), q_WB=axis_angle((0.3, 0.2, 1.0), 0.6))
     mesh = Body.fixed(
@@ -47,44 +43,30 @@ def _scene(p: P) -> Scene:
     return Scene(bodies=(hull, mesh), sensors=(lidar,), gravity=(0.0, 0.0, 0.0))
 
 
-def _expected(time: Floats, p: P) -> Trajectory:
-    """Nothing moves; ranges to the half-spaces of the hull and to the triangles of the mesh."""
-    scene = _scene(p)
-    lidar = scene.sensors[0]
-    assert isinstance(lidar, Lidar)
-    truth = at_rest(scene, time)
-    return replace(truth, streams=true_scans(scene, lidar, float(truth.time[-1])) if len(truth) else {})
-
+expected = seen(scene)
 
 RANGE_BOUND = 8 * SINGLE * REACH / GRAZING
 
-CASE = Case(
-    name="sensor_lidar_polyhedra",
+CASE = Case.of(
+    globals(),
     title="A range finder, a hull and a mesh",
     question="Do an engine's rays end on the faces of a convex hull and of a triangle mesh?",
     source="Kay, Kajiya, Ray tracing complex scenes (1986); Moeller, Trumbore, ray/triangle intersection (1997)",
     truth="closed form",
-    scene=_scene,
-    expected=_expected,
     duration=DURATION,
-    parameters=P(),
     sample_interval=0.1,
-    headline=range_error.range_error_max.name,
     checks=(
-        stays_finite("nothing moves, so nothing can grow"),
         Check(
-            range_error.range_error_max,
+            ranges.range_error_max,
             RANGE_BOUND,
             "vertices and faces in single precision: eight roundings of the reach over the cosine of the most grazing beam",
         ),
+        Check(ranges.range_false_return_share, 0.0, "no beam passes an edge so closely that rounding decides what it meets"),
         Check(
-            range_error.range_false_return_share, 0.0, "no beam passes an edge so closely that rounding decides what it meets"
-        ),
-        Check(
-            range_error.intensity_error_max,
+            ranges.intensity_error_max,
             64 * SINGLE,
             "normals are those of faces and do not move with the hit; a few roundings in single precision",
         ),
     ),
-    observe=(range_error.range_error_rms,),
+    observe=(ranges.range_error_rms,),
 )

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 
 from plumbline.harness.case import Case, Check, NotNegative, Parameters
-from plumbline.harness.case.bounds import SINGLE, stays_finite
-from plumbline.harness.metrics import inertial_readings, range_error
+from plumbline.harness.case.bounds import SINGLE
+from plumbline.harness.metrics import ranges, readings
 from plumbline.harness.scene import (
     Body,
     Box,
@@ -38,7 +38,7 @@ class P(Parameters):
     turning: NotNegative = 3.0
 
 
-def _scene(p: P) -> Scene:
+def scene(p: P) -> Scene:
     """Six walls and a ball without a body for rays, flying and turning at `turning` [rad/s], with two range finders."""
     t = 0.1
     x, y, z = HALF
@@ -105,9 +105,9 @@ def scans(stamps: Floats, turning: float, spinning: bool) -> tuple[Floats, Float
     return walls_from_inside(np.broadcast_to(p_WS[:, None], (*shape, 3)), directions)
 
 
-def _expected(time: Floats, p: P) -> Trajectory:
+def expected(time: Floats, p: P) -> Trajectory:
     """Straight flight and steady turning; the ranges to the walls from where the sensor is when a column is fired."""
-    bodies = _scene(p).bodies
+    bodies = scene(p).bodies
     truth = Trajectory.of(time, len(bodies))
     for place, body in enumerate(bodies):
         truth.p_WB[:, place], truth.v_WB[:, place], truth.w_WB[:, place] = body.p_WB, body.v_WB, body.w_WB
@@ -129,32 +129,27 @@ def _turned(dt: float, p: P) -> float:
     return p.turning**3 * dt**2 / 12 * DURATION + 64 * SINGLE
 
 
-CASE = Case(
-    name="sensor_lidar_room",
+CASE = Case.of(
+    globals(),
     title="Range finders in flight",
     question="Do a moving range finder's beams end on the walls, fired at once or column by column while it turns?",
     source="Distance to a plane along a ray; motion distortion of spinning range finders",
     truth="closed form",
-    scene=_scene,
-    expected=_expected,
     duration=DURATION,
-    parameters=P(),
     sample_interval=0.1,
-    headline=range_error.range_error_max.name,
     checks=(
-        stays_finite("a free ball never diverges"),
         Check(
-            range_error.range_error_max,
+            ranges.range_error_max,
             lambda dt, p: LONGEST * _turned(dt, p) / GRAZING,
             "an attitude that is off by e moves the end of a beam of length r along its wall by r e/cos of incidence: "
             "e is w^3 dt^2/12 a second for 2 atan(w dt/2) a step, and rounding in single precision",
         ),
         Check(
-            range_error.range_false_return_share,
+            ranges.range_false_return_share,
             0.0,
             "a closed room returns every beam, and its corners lead on from wall to wall",
         ),
-        Check(inertial_readings.time_stamp_error, 8 * 2.0**-52 * DURATION, "a few roundings of the time"),
+        Check(readings.time_stamp_error, 8 * 2.0**-52 * DURATION, "a few roundings of the time"),
     ),
-    observe=(range_error.range_error_rms, range_error.intensity_error_max),
+    observe=(ranges.range_error_rms, ranges.intensity_error_max),
 )

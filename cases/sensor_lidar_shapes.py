@@ -1,10 +1,7 @@
 """A range finder in front of each primitive: does every beam end where geometry says, on curved surfaces too?"""
 
-from dataclasses import replace
-
 from plumbline.harness.case import Case, Check, Count, Parameters
-from plumbline.harness.case.bounds import stays_finite
-from plumbline.harness.metrics import range_error
+from plumbline.harness.metrics import ranges
 from plumbline.harness.scene import (
     WORLD,
     Appearance,
@@ -21,9 +18,7 @@ from plumbline.harness.scene import (
     Vector3,
     axis_angle,
 )
-from plumbline.harness.sensors.true_scans import true_scans
-from plumbline.harness.trajectory import Floats, Trajectory
-from plumbline.harness.truths.rest import at_rest
+from plumbline.harness.sensors.true_views import seen
 
 DURATION, RATE = 0.2, 10.0
 REACH = 6.0
@@ -43,7 +38,7 @@ def _fixture(name: str, shape: Shape, p_WB: Vector3, q_WB: Quaternion = UNTURNED
     return Body.fixed(name, shape, p_WB=p_WB, q_WB=q_WB, appearance=look)
 
 
-def _scene(p: P) -> Scene:
+def scene(p: P) -> Scene:
     """Five primitives around a range finder that hangs in the world, tilted; a wall partly beyond its reach, and the sky."""
     shapes = (
         _fixture("floor", Plane(), (0.0, 0.0, 0.0), reflectivity=0.3),
@@ -66,46 +61,34 @@ def _scene(p: P) -> Scene:
     return Scene(bodies=shapes, sensors=(lidar,), gravity=(0.0, 0.0, 0.0))
 
 
-def _expected(time: Floats, p: P) -> Trajectory:
-    """Nothing moves; the ranges are the closed-form first hits of the beams, and infinite beyond the sensor's reach."""
-    scene = _scene(p)
-    lidar = scene.sensors[0]
-    assert isinstance(lidar, Lidar)
-    truth = at_rest(scene, time)
-    return replace(truth, streams=true_scans(scene, lidar, float(truth.time[-1])) if len(truth) else {})
+expected = seen(scene)
 
-
-CASE = Case(
-    name="sensor_lidar_shapes",
+CASE = Case.of(
+    globals(),
     title="A range finder and the primitives",
     question="Do an engine's rays end exactly on sphere, box, capsule, cylinder and plane, and on nothing beyond their reach?",
     source="Haines et al., Ray Tracing Gems (2019), chapter 7; Ericson, Real-Time Collision Detection, section 5.3",
     truth="closed form",
-    scene=_scene,
-    expected=_expected,
     duration=DURATION,
-    parameters=P(),
     sample_interval=0.1,
-    headline=range_error.range_error_max.name,
     checks=(
-        stays_finite("nothing moves, so nothing can grow"),
         Check(
-            range_error.range_error_max,
+            ranges.range_error_max,
             EXACT,
             "a root of a quadratic in double precision: 20 roundings of 6 m and of its ratio to the smallest radius, "
             "enlarged by 1/cos^2 of the most grazing beam, 20 * 2^-53 * 6 * 20/.005^2; an approximate ray is off by more",
         ),
         Check(
-            range_error.range_false_return_share,
+            ranges.range_false_return_share,
             0.0,
             "no beam passes the edge of a shape, or the end of its reach, so closely that rounding decides",
         ),
         Check(
-            range_error.intensity_error_max,
+            ranges.intensity_error_max,
             EXACT / (0.3 * GRAZING),
             "a hit that is off by the bound of the range, and by 1/cos of it along the surface, turns the normal of "
             "the most curved shape (radius .3 m) by that over the radius",
         ),
     ),
-    observe=(range_error.range_error_rms, range_error.range_error_median),
+    observe=(ranges.range_error_rms, ranges.range_error_median),
 )

@@ -3,8 +3,7 @@
 import numpy as np
 
 from plumbline.harness.case import Case, Check, NotNegative, Parameters
-from plumbline.harness.case.bounds import stays_finite
-from plumbline.harness.metrics import inertial_noise, inertial_readings, range_noise
+from plumbline.harness.metrics import inertial_noise, ranges, readings
 from plumbline.harness.scene import WORLD, AxisNoise, Body, Imu, ImuNoise, Lidar, LidarNoise, Plane, Scene, axis_angle
 from plumbline.harness.trajectory import Floats, Trajectory
 
@@ -19,7 +18,7 @@ class P(Parameters):
     density: NotNegative = GYROSCOPE.density
 
 
-def _scene(p: P) -> Scene:
+def scene(p: P) -> Scene:
     """Two inertial sensors of one law and a range finder, hung in the world above a floor; one inertial sensor is late."""
     law = ImuNoise(
         accelerometer=ACCELEROMETER,
@@ -47,7 +46,7 @@ def _scene(p: P) -> Scene:
     return Scene(bodies=(floor,), sensors=sensors)
 
 
-def _expected(time: Floats, _: P) -> Trajectory:
+def expected(time: Floats, _: P) -> Trajectory:
     """Nothing moves."""
     return Trajectory.of(time, 1)
 
@@ -56,22 +55,17 @@ PAIRS = 66
 """Of twelve noisy axes."""
 FIVE = "five standard deviations: each comparison raises a false alarm in 6 of 10 million runs, "
 
-CASE = Case(
-    name="sensor_streams",
+CASE = Case.of(
+    globals(),
     title="Random streams of sensors",
     question="Is the noise of two sensors, of two channels and of two axes independent, and do readings come when they should?",
     source="Bartlett (1935); Welch (1967); Kolmogorov (1933); Pearson (1900)",
     truth="statistics",
-    scene=_scene,
-    expected=_expected,
     duration=DURATION,
-    parameters=P(),
     sample_interval=1.0,
     dt=1 / 200,
     ladder=(1 / 200, 1 / 400, 1 / 600, 1 / 800),
-    headline=inertial_noise.inertial_correlation_score.name,
     checks=(
-        stays_finite("nothing moves, so nothing can grow"),
         Check(
             inertial_noise.inertial_correlation_score,
             4.0,
@@ -85,11 +79,11 @@ CASE = Case(
             "Kolmogorov: sqrt(n) D exceeds x with probability 2 exp(-2 x^2), 7 in 10 million at 2.73",
         ),
         Check(inertial_noise.inertial_histogram_score, 5.0, FIVE + "the largest of 12 in 7 of a million"),
-        Check(range_noise.range_mean_score, 5.0, FIVE + "of one"),
-        Check(range_noise.range_spread_score, 5.0, FIVE + "of one"),
-        Check(range_noise.range_correlation_score, 5.0, FIVE + "the largest of three"),
+        Check(ranges.range_mean_score, 5.0, FIVE + "of one"),
+        Check(ranges.range_spread_score, 5.0, FIVE + "of one"),
+        Check(ranges.range_correlation_score, 5.0, FIVE + "the largest of three"),
         Check(
-            inertial_readings.time_stamp_error,
+            readings.time_stamp_error,
             8 * float(np.finfo(np.float64).eps) * DURATION,
             "stamps are multiples of the interval to a few roundings, with none left out",
         ),

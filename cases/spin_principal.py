@@ -3,8 +3,8 @@
 import numpy as np
 
 from plumbline.harness.case import Case, Check, Parameters, Positive
-from plumbline.harness.case.bounds import SINGLE, stays_finite
-from plumbline.harness.metrics import energy, errors
+from plumbline.harness.case.bounds import SINGLE
+from plumbline.harness.metrics import conservation, errors
 from plumbline.harness.scene import Body, Effect, Scene, box_inertia
 from plumbline.harness.scene.values import Vector3
 from plumbline.harness.trajectory import Floats, Trajectory
@@ -21,7 +21,7 @@ class P(Parameters):
     mass: Positive = 1.0
 
 
-def _scene(p: P) -> Scene:
+def scene(p: P) -> Scene:
     """Three equal boxes in a row, the k-th spinning at `spin` [rad/s] about its k-th axis."""
     boxes = tuple(
         Body.box(
@@ -38,7 +38,7 @@ def _scene(p: P) -> Scene:
     return Scene(bodies=boxes, gravity=(0.0, 0.0, 0.0), narrow=Effect.GYROSCOPIC)
 
 
-def _expected(time: Floats, p: P) -> Trajectory:
+def expected(time: Floats, p: P) -> Trajectory:
     """The angle is w t, whatever the moments."""
     truth = Trajectory.of(time, 3)
     for k in range(3):
@@ -60,21 +60,16 @@ def _angle(dt: float, p: P) -> float:
     return lag + _grown(p)
 
 
-CASE = Case(
-    name="spin_principal",
+CASE = Case.of(
+    globals(),
     title="Spin about principal axes",
     question="Does a body that spins about a principal axis turn by w t, about each of the three?",
     source="Landau, Lifshitz, Mechanics, 3rd ed., section 36: about a principal axis w is constant",
     truth="closed form",
-    scene=_scene,
-    expected=_expected,
     duration=DURATION,
-    parameters=P(),
-    headline=errors.attitude_error_max.name,
     converges="smoothly",
     scale=SPIN * DURATION,
     checks=(
-        stays_finite("a constant spin never diverges"),
         Check(
             errors.attitude_error_max,
             _angle,
@@ -88,5 +83,5 @@ CASE = Case(
             "nothing acts on the spin: one rounding in single precision a step, and its growth about the middle axis",
         ),
     ),
-    observe=(errors.attitude_error_final, energy.energy_drift_max),
+    observe=(errors.attitude_error_final, conservation.energy_drift_max),
 )

@@ -12,8 +12,8 @@ import math
 import numpy as np
 
 from plumbline.harness.case import Case, Check, FloatCount, NotNegative, Parameters
-from plumbline.harness.case.bounds import GIVE, G, bears, settled_speed, stays_finite, supported
-from plumbline.harness.metrics import contacts, energy, jitter, threading
+from plumbline.harness.case.bounds import GIVE, G, bears, settled_speed, supported
+from plumbline.harness.metrics import conservation, contacts, jitter, overlaps
 from plumbline.harness.scene import (
     Body,
     Box,
@@ -169,22 +169,18 @@ def _given_back(dt: float, p: P) -> float:
     return math.exp(-4) * G * highest + (G * dt) ** 2 / 2 + G * GIVE
 
 
-CASE = Case(
-    name="stack_bowl",
+CASE = Case.of(
+    globals(),
     title="Nuts and bolts in a bowl",
     question="Do nuts and bolts in a bowl come to rest and stay so, and does a nut stay on the post that it was put over?",
     source="dissipation: friction and inelastic impacts take what motion there is; topology: a ring leaves a post over its end",
     truth="conservation",
-    scene=scene,
-    parameters=P(),
     duration=DURATION,
     ladder=(1 / 120, 1 / 240, 1 / 480, 1 / 960),
     sample_interval=1 / 20,
-    with_contacts=True,
     checks=(
-        stays_finite("what lies in a bowl stays there"),
         Check(
-            threading.unthreaded,
+            overlaps.unthreaded,
             0.0,
             "a nut moves by 5 mm each way before its hole meets the post, whose sides its centre would pass after 25 "
             "mm; over the top nothing lifts it",
@@ -206,14 +202,14 @@ CASE = Case(
         ),
         supported(SETTLED, DURATION),
         Check(
-            energy.energy_rise_max,
+            conservation.energy_rise_max,
             _given_back,
             "exp(-4) of the energy of a fall from the highest start: a contact gives back nothing, or, where it is a "
             "critically damped spring that cannot pull, exp(-2) of the speed of a blow; half the square of g dt, one step of "
             "gravity; and g times a millimetre, by which contacts may give way and come back",
         ),
         Check(
-            energy.energy_rise_max,
+            conservation.energy_rise_max,
             lambda dt, _: 1.5 * (G * dt) ** 2,
             "at rest, half the square of g dt, one step of gravity, and g times its way g dt^2",
             start=SETTLED,

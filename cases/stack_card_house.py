@@ -9,7 +9,7 @@ import math
 
 from plumbline.harness.case import Axis, Case, Check, Parameters, Share
 from plumbline.harness.metrics import contacts, statics
-from plumbline.harness.scene import Body, Box, Effect, PlacedShape, Scene, Surface, axis_angle, box_inertia
+from plumbline.harness.scene import Body, Box, Effect, Scene, Surface, axis_angle
 
 GRIP, MASS = 1.0, 0.1
 """Friction of card on card; mass of a card [kg]."""
@@ -28,7 +28,6 @@ def scene(p: P) -> Scene:
     """Both houses, each on a plate of its own, exactly touching; their gables point along y."""
     a = math.radians(p.angle)
     critical = statics.critical_friction(a, HALF[2], HALF[0])
-    card = (PlacedShape(shape=Box(half_extents=HALF)),)
     bodies, laws = [], []
     # A card leans by its inner edge on the foot, and by the upper inner edge of its face on the other card.
     across = HALF[2] * math.sin(a) + HALF[0] * math.cos(a)
@@ -37,12 +36,11 @@ def scene(p: P) -> Scene:
         x = SPACING * k
         bodies.append(Body.fixed(f"plate_{name}", Box(half_extents=PLATE), material=f"plate_{name}", p_WB=(x, 0.0, -PLATE[2])))
         bodies += [
-            Body(
-                name=f"{side}_{name}",
+            Body.box(
+                f"{side}_{name}",
+                HALF,
                 mass=MASS,
-                inertia=box_inertia(MASS, HALF),
                 material=name,
-                collision=card,
                 p_WB=(x - way * across, 0.0, high),
                 q_WB=axis_angle((0.0, 1.0, 0.0), way * a),
             )
@@ -53,14 +51,12 @@ def scene(p: P) -> Scene:
     return Scene(bodies=tuple(bodies), surfaces=tuple(laws), apart=apart, narrow=Effect.GYROSCOPIC)
 
 
-CASE = Case(
-    name="stack_card_house",
+CASE = Case.of(
+    globals(),
     title="Houses of two cards",
     question="Does a house of two cards stand with a tenth more friction than it needs, and fall with a tenth less?",
     source="Beer, Johnston, Vector Mechanics: Statics, 12th ed., sections 6.3 and 8.1",
     truth="closed form",
-    scene=scene,
-    parameters=P(),
     duration=DURATION,
     with_contacts=True,
     hard=Axis(parameter="margin", unit="1", easy=0.5, extreme=0.01, lost=0.99 * DURATION),

@@ -7,7 +7,7 @@ contact passes on, each time, only what the light body alone can take.
 from plumbline.harness.case import Axis, Case, Check, NotNegative, Parameters, Positive
 from plumbline.harness.case.bounds import GIVE, G, settled_speed, stands, supported
 from plumbline.harness.metrics import contacts, jitter, stack
-from plumbline.harness.scene import Body, Box, PlacedShape, Scene, Surface, box_inertia
+from plumbline.harness.scene import Body, Scene, Surface
 from plumbline.harness.truths.rest import resting
 
 MASS, HALF = 1.0, 0.1
@@ -24,27 +24,23 @@ class P(Parameters):
 
 def scene(p: P) -> Scene:
     """Two equal cubes, exactly touching: the lower of MASS, the upper of `ratio` times as much."""
-    cube = (PlacedShape(shape=Box(half_extents=(HALF, HALF, HALF))),)
-    boxes = [
-        Body(name=name, mass=mass, inertia=box_inertia(mass, (HALF, HALF, HALF)), collision=cube, p_WB=(0.0, 0.0, height))
-        for name, mass, height in (("light", MASS, HALF), ("heavy", p.ratio * MASS, 3 * HALF))
-    ]
+    half, heavy = (HALF, HALF, HALF), p.ratio * MASS
+    boxes = (
+        Body.box("light", half, mass=MASS, p_WB=(0.0, 0.0, HALF)),
+        Body.box("heavy", half, mass=heavy, p_WB=(0.0, 0.0, 3 * HALF)),
+    )
     return Scene(bodies=(Body.ground("default"), *boxes), surfaces=(Surface.rough(p.friction),))
 
 
 expected = resting(scene)
 
-CASE = Case(
-    name="stack_mass_ratio",
+CASE = Case.of(
+    globals(),
     title="Heavy on light",
     question="Does a light box bear one that is a thousand times heavier, and bear it still?",
     source="statics: the ground bears both weights, the light box the heavy one's; nothing moves, whatever the ratio",
     truth="rest",
-    scene=scene,
-    expected=expected,
-    parameters=P(),
     duration=DURATION,
-    with_contacts=True,
     steady=SETTLED,
     hard=Axis(parameter="ratio", unit="1", easy=1, extreme=1e6),
     checks=(

@@ -38,15 +38,12 @@ def expected(time: Floats, _: P) -> Trajectory:
     return truth
 
 
-CASE = Case(
-    name="stack_overlap_recovery",
+CASE = Case.of(
+    globals(),
     title="Starting inside each other",
     question="Do two boxes that start a quarter inside each other part quietly, and come to rest one on the other?",
     source="definition: an overlap holds no energy, so that none is left when it is gone",
     truth="rest",
-    scene=scene,
-    expected=expected,
-    parameters=P(),
     duration=DURATION,
     with_contacts=True,
     hard=Axis(parameter="overlap", unit="1", easy=0.0, extreme=0.45, lost=1.0),
@@ -67,5 +64,4 @@ CASE = Case(
     ),
     observe=(stack.lean, jitter.rest_drift),
     insists={"friction": "what is pushed apart may come out askew; friction is what stops it then"},
-    headline="ejection_speed",
 )

@@ -9,7 +9,7 @@ import math
 import numpy as np
 
 from plumbline.harness.case import Axis, Case, Check, FloatCount, NotNegative, Parameters
-from plumbline.harness.case.bounds import settled_speed, stays_finite
+from plumbline.harness.case.bounds import settled_speed
 from plumbline.harness.metrics import equivalence, jitter, overlaps
 from plumbline.harness.props.robots.container import container
 from plumbline.harness.scene import Body, Scene, Surface
@@ -59,15 +59,12 @@ def scene(p: P) -> Scene:
 
 expected = resting(scene)
 
-CASE = Case(
-    name="stack_pile",
+CASE = Case.of(
+    globals(),
     title="Balls in a container",
     question="Do n balls packed in a container stay in it and apart from each other, come to rest, and at what price?",
     source="statics of the face-centred cubic packing: each ball in the hollow of four others, held together by the walls",
     truth="rest",
-    scene=scene,
-    expected=expected,
-    parameters=P(),
     duration=DURATION,
     sample_interval=1 / 20,
     ladder=(1 / 60, 1 / 120, 1 / 240, 1 / 360, 1 / 480, 1 / 960),
@@ -75,7 +72,6 @@ CASE = Case(
     worlds="worlds",
     hard=Axis(parameter="n", unit="1", easy=10, extreme=10_000),
     checks=(
-        stays_finite("every number of every sampled state has to be finite"),
         Check(
             overlaps.overlap,
             RADIUS,
@@ -86,6 +82,5 @@ CASE = Case(
     ),
     observe=(jitter.rest_drift,),
     insists={"friction": "balls that roll over each other without friction are another material, and cost an engine less"},
-    headline="overlap",
     scale=RADIUS,
 )

@@ -91,17 +91,13 @@ def scene(p: P) -> Scene:
 
 expected = resting(scene)
 
-CASE = Case(
-    name="stack_pyramid",
+CASE = Case.of(
+    globals(),
     title="Pyramids of bricks and of balls",
     question="Do a pyramid of bricks and one of balls, upside down in a hollow, stay as they are built?",
     source="statics: each brick on the two below, each ball in the hollow of four others or of the walls, in equilibrium",
     truth="rest",
-    scene=scene,
-    expected=expected,
-    parameters=P(),
     duration=DURATION,
-    with_contacts=True,
     steady=SETTLED,
     hard=Axis(parameter="rows", unit="1", easy=1, extreme=10),
     checks=(

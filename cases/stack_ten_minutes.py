@@ -5,7 +5,7 @@ A box that creeps by a micrometre a second passes every check of a few seconds; 
 
 from plumbline.harness.case import Case, Check, FloatCount, NotNegative, Parameters
 from plumbline.harness.case.bounds import GIVE, G, settled_speed, stands
-from plumbline.harness.metrics import energy, jitter, stack
+from plumbline.harness.metrics import conservation, jitter, stack
 from plumbline.harness.scene import Body, Scene, Surface
 from plumbline.harness.truths.rest import resting
 
@@ -27,15 +27,12 @@ def scene(p: P) -> Scene:
 
 expected = resting(scene)
 
-CASE = Case(
-    name="stack_ten_minutes",
+CASE = Case.of(
+    globals(),
     title="A tower for ten minutes",
     question="Does a small tower stand for ten minutes without creeping away, sinking in or coming to life?",
     source="statics: nothing moves, however long one looks",
     truth="rest",
-    scene=scene,
-    expected=expected,
-    parameters=P(),
     duration=DURATION,
     sample_interval=0.5,
     # Ten minutes at the finer steps of other cases would cost more than all of those together.
@@ -51,7 +48,7 @@ CASE = Case(
         ),
         settled_speed(SETTLED, "a box"),
     ),
-    observe=(jitter.rest_drift, stack.lean, energy.energy_gain_max),
+    observe=(jitter.rest_drift, stack.lean, conservation.energy_gain_max),
     headline="rest_drift",
     scale=HALF,
 )

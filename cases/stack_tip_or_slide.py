@@ -57,14 +57,12 @@ def scene(p: P) -> Scene:
     return Scene(bodies=tuple(bodies), surfaces=laws, apart=(*among, *across), narrow=Effect.GYROSCOPIC)
 
 
-CASE = Case(
-    name="stack_tip_or_slide",
+CASE = Case.of(
+    globals(),
     title="Tipping or sliding",
     question="Does a tall box on an incline tip, slide or hold where it should?",
     source="Meriam and Kraige, Engineering Mechanics: Statics, 7th ed., section 6/3",
     truth="closed form",
-    scene=scene,
-    parameters=P(),
     duration=DURATION,
     checks=(
         Check(
@@ -75,5 +73,4 @@ CASE = Case(
         ),
         Check(wrong_fates, 0.0, "no incline is at a threshold: on each one statics has one answer"),
     ),
-    headline="tipping_angle_error",
 )

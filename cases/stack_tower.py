@@ -2,7 +2,7 @@
 
 from plumbline.harness.case import Axis, Case, Check, FloatCount, NotNegative, Parameters
 from plumbline.harness.case.bounds import GIVE, G, settled_speed, supported
-from plumbline.harness.metrics import contact_residuals, contacts, stack
+from plumbline.harness.metrics import contacts, stack
 from plumbline.harness.scene import Body, Scene, Surface
 from plumbline.harness.truths.rest import resting
 
@@ -27,17 +27,13 @@ def scene(p: P) -> Scene:
 
 expected = resting(scene)
 
-CASE = Case(
-    name="stack_tower",
+CASE = Case.of(
+    globals(),
     title="A tower of boxes",
     question="Does a tower of n boxes stand, keep its height, come to rest and bear n weights on the ground?",
     source="statics: box k bears the weight of the n - k above it; the ground bears n m g",
     truth="rest",
-    scene=scene,
-    expected=expected,
-    parameters=P(),
     duration=DURATION,
-    with_contacts=True,
     steady=STEADY,
     hard=Axis(parameter="n", unit="1", easy=1, extreme=30),
     checks=(
@@ -62,9 +58,9 @@ CASE = Case(
     observe=(
         stack.lean,
         contacts.penetration,
-        contact_residuals.signorini_residual,
-        contact_residuals.cone_residual,
-        contact_residuals.dissipation_residual,
+        contacts.signorini_residual,
+        contacts.cone_residual,
+        contacts.dissipation_residual,
     ),
     headline="stack_height_error",
 )

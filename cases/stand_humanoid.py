@@ -6,7 +6,7 @@ What moves is the engine's: too few iterations of its solver, drives that fight 
 from plumbline.harness.case import Axis, Case, Check, NotNegative, Parameters, Positive
 from plumbline.harness.case.bounds import G, supported
 from plumbline.harness.case.standing import feet_stay, holds_its_pose, stands_up, still
-from plumbline.harness.metrics import contacts, jitter, joints, vibration
+from plumbline.harness.metrics import contacts, jitter, joints
 from plumbline.harness.props.robots.floor import floor, grip
 from plumbline.harness.props.robots.humanoid import humanoid
 from plumbline.harness.props.robots.robot import MATERIAL, bearing
@@ -38,19 +38,15 @@ def scene(p: P) -> Scene:
 
 expected = resting(scene)
 
-CASE = Case(
-    name="stand_humanoid",
+CASE = Case.of(
+    globals(),
     title="Standing humanoid",
     question="Does a humanoid on PD drives stand still, or why does it tremble?",
     source="statics: drives whose targets make up for the weight; each part of a machine in equilibrium",
     truth="rest",
-    scene=scene,
-    expected=expected,
-    parameters=P(),
     duration=DURATION,
     # Every step: a tremble from step to step is invisible, or takes the look of a slow one, between samples further apart.
     sample_interval=0.0,
-    with_contacts=True,
     steady=STEADY,
     ladder=(1 / 60, 1 / 120, 1 / 240, 1 / 360, 1 / 480, 1 / 960),
     hard=Axis(parameter="stiffness", unit="1", easy=0.5, extreme=1000),
@@ -68,7 +64,7 @@ CASE = Case(
         feet_stay(SETTLED, DURATION),
         supported(SETTLED, DURATION),
     ),
-    observe=(joints.pose_error_rms, vibration.vibration_frequency, joints.joint_gap_max, contacts.penetration),
+    observe=(joints.pose_error_rms, jitter.vibration_frequency, joints.joint_gap_max, contacts.penetration),
     insists={"friction": "a machine that stands straight is held by its drives; one that trembles stands on its grip"},
     headline="pose_error_max",
 )

@@ -3,7 +3,7 @@
 from plumbline.harness.case import Axis, Case, Check, FloatCount, NotNegative, Parameters, Positive
 from plumbline.harness.case.bounds import G
 from plumbline.harness.case.standing import SHARE, feet_stay, holds_its_pose, stands_up, still
-from plumbline.harness.metrics import contacts, jitter, joints, vibration
+from plumbline.harness.metrics import contacts, jitter, joints
 from plumbline.harness.props.robots.floor import floor, grip
 from plumbline.harness.props.robots.quadruped import DAMPING, LEG, STIFFNESS, quadruped
 from plumbline.harness.props.robots.robot import MATERIAL, bearing, copy_of
@@ -37,19 +37,15 @@ def scene(p: P) -> Scene:
 
 expected = resting(scene)
 
-CASE = Case(
-    name="stand_quadruped",
+CASE = Case.of(
+    globals(),
     title="Standing quadrupeds",
     question="Do quadrupeds on PD drives stand still, bear their weight on their feet, and neither slip nor sag?",
     source="statics: drives whose targets make up for the weight; each part of a machine in equilibrium",
     truth="rest",
-    scene=scene,
-    expected=expected,
-    parameters=P(),
     duration=DURATION,
     # Every step: a tremble from step to step is invisible, or takes the look of a slow one, between samples further apart.
     sample_interval=0.0,
-    with_contacts=True,
     steady=STEADY,
     hard=Axis(parameter="n", unit="1", easy=1, extreme=16),
     checks=(
@@ -71,7 +67,7 @@ CASE = Case(
             start=SETTLED,
         ),
     ),
-    observe=(joints.pose_error_rms, vibration.vibration_frequency, joints.joint_gap_max, contacts.penetration),
+    observe=(joints.pose_error_rms, jitter.vibration_frequency, joints.joint_gap_max, contacts.penetration),
     insists={"friction": "a machine that stands straight is held by its drives; one that trembles stands on its grip"},
     headline="pose_error_max",
 )

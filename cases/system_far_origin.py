@@ -3,7 +3,6 @@
 import numpy as np
 
 from plumbline.harness.case import Axis, Case, Check, NotNegative, Parameters
-from plumbline.harness.case.bounds import stays_finite
 from plumbline.harness.case.symmetries import Retelling, moved
 from plumbline.harness.metrics.equivalence import ATTITUDE_DIFFERENCE, POSITION_DIFFERENCE
 from plumbline.harness.props.regular_motions import stage
@@ -26,19 +25,15 @@ def retellings(p: P) -> tuple[Retelling, ...]:
     return (moved(stage(), (p.origin, -0.7 * p.origin, 0.3 * p.origin)),)
 
 
-CASE = Case(
-    name="system_far_origin",
+CASE = Case.of(
+    globals(),
     title="Far from the origin",
     question="Is a motion the same a thousand kilometres away, to the digits that are left there?",
     source="Goldberg, ACM Computing Surveys 23 (1991) 5, section 1.2 (units in the last place)",
     truth="conservation",
-    scene=scene,
-    retellings=retellings,
-    parameters=P(),
     duration=DURATION,
     hard=Axis(parameter="origin", unit="m", easy=1.0, extreme=1e7, lost=0.1),
     checks=(
-        stays_finite("every motion of the stage is bounded"),
         Check(
             POSITION_DIFFERENCE["moved"],
             lambda dt, p: float(np.sqrt(3) * (DURATION / dt + 1) * np.spacing(p.origin) / 2),
@@ -48,5 +43,4 @@ CASE = Case(
         ),
     ),
     observe=(ATTITUDE_DIFFERENCE["moved"],),
-    headline=POSITION_DIFFERENCE["moved"].name,
 )

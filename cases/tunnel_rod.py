@@ -10,12 +10,10 @@ Simulation of Rigid Body Systems (1996; bounds on the time of impact of bodies t
 import numpy as np
 
 from plumbline.harness.case import Axis, Case, Check, Count, Parameters, Positive
-from plumbline.harness.case.bounds import stays_finite
 from plumbline.harness.metrics import errors, passage
-from plumbline.harness.scene import Body, Capsule, Effect, PlacedShape, Scene, Surface, axis_angle, capsule_inertia, multiply
+from plumbline.harness.scene import Body, Capsule, Effect, Scene, Surface, axis_angle, multiply
 from plumbline.harness.trajectory import Floats, Trajectory
-from plumbline.harness.trajectory.kinematics import product
-from plumbline.harness.truths.rest import at_rest
+from plumbline.harness.trajectory.kinematics import about, product
 
 MASS, RADIUS, HALF_LENGTH, POST_RADIUS, LEVER = 0.5, 0.01, 0.5, 0.01, 0.4
 SPACING, CLEARANCE, DURATION = 0.1, 0.15, 0.25
@@ -53,12 +51,11 @@ def scene(p: P) -> Scene:
         # The rod's axis, z of its shape, lies level at the azimuth -(angle + meeting) before the posts on the x axis.
         azimuth = -(float(angle) + _meeting())
         rods.append(
-            Body(
-                name=f"rod_{i}",
+            Body.solid(
+                f"rod_{i}",
+                Capsule(radius=RADIUS, half_length=HALF_LENGTH),
                 mass=MASS,
-                inertia=capsule_inertia(MASS, RADIUS, HALF_LENGTH),
                 material="rod",
-                collision=(PlacedShape(shape=Capsule(radius=RADIUS, half_length=HALF_LENGTH)),),
                 p_WB=(0.0, 0.0, SPACING * i),
                 q_WB=multiply(axis_angle((0.0, 0.0, 1.0), azimuth), axis_angle((0.0, 1.0, 0.0), np.pi / 2)),
                 w_WB=(0.0, 0.0, p.spin),
@@ -84,31 +81,26 @@ def scene(p: P) -> Scene:
 
 def expected(time: Floats, p: P) -> Trajectory:
     """The closed form: an even turn, then rest against both posts (no restitution)."""
-    truth = at_rest(scene(p), time)
+    truth = Trajectory.at_rest(scene(p), time)
     for place, angle in enumerate(_angles(p.spin, p.phases, p.seed), start=2):
-        half = np.minimum(p.spin * truth.time, angle) / 2
-        turn = np.stack([np.cos(half), 0 * half, 0 * half, np.sin(half)], axis=1)
+        turn = about(2, np.minimum(p.spin * truth.time, angle))
         truth.q_WB[:, place] = product(turn, truth.q_WB[:, place])
         truth.w_WB[:, place, 2] = np.where(p.spin * truth.time < angle, p.spin, 0.0)
     return truth
 
 
-CASE = Case(
-    name="tunnel_rod",
+CASE = Case.of(
+    globals(),
     title="Rods spinning between posts",
     question="With what probability does the end of a spinning rod get through a thin post, and how deep does it stick?",
     source="Ericson, Real-Time Collision Detection, sections 2.4.3 and 5.5.1; Mirtich, Impulse-based Dynamic Simulation (1996)",
     truth="closed form",
-    scene=scene,
-    expected=expected,
-    parameters=P(),
     duration=DURATION,
     hard=Axis(parameter="spin", unit="rad/s", easy=2, extreme=500, lost=0.0),
     # Angles are followed through more than a turn: half a turn between two samples is the most.
     sample_interval=1 / 240,
     ladder=(1 / 240, 1 / 480, 1 / 960, 1 / 1920, 1 / 3840, 1 / 7680),
     checks=(
-        stays_finite("what has been stopped rests"),
         Check(
             passage.passage_probability,
             0.0,
@@ -127,5 +119,4 @@ CASE = Case(
         "continuous_collision": "a step of 1/240 s turns a rod by .25 rad, and within .1 rad it has passed a post: an engine "
         "that divides its steps by four or more sees the posts all the same"
     },
-    headline=passage.passage_probability.name,
 )

@@ -9,10 +9,9 @@ Source: Ericson, Real-Time Collision Detection, section 2.4.3; Wilson, J. Amer. 
 import numpy as np
 
 from plumbline.harness.case import Axis, Case, Check, Count, Parameters, Positive
-from plumbline.harness.metrics import passage, tunnelling
+from plumbline.harness.metrics import passage
 from plumbline.harness.scene import Body, Box, Effect, Scene, Surface
 from plumbline.harness.trajectory import Floats, Trajectory
-from plumbline.harness.truths.rest import at_rest
 
 THICKNESS, RADIUS, MASS = 0.01, 0.05, 1.0
 SPACING, CLEARANCE, DURATION = 1.0, 0.05, 0.25
@@ -65,33 +64,29 @@ def scene(p: P) -> Scene:
 
 def expected(time: Floats, p: P) -> Trajectory:
     """The closed form: straight flight, then rest at the face of the wall (no restitution)."""
-    truth = at_rest(scene(p), time)
+    truth = Trajectory.at_rest(scene(p), time)
     for place, way in enumerate(_starts(p.speed, p.phases, p.seed), start=1):
         truth.p_WB[:, place, 0] += np.minimum(p.speed * truth.time, way)
         truth.v_WB[:, place, 0] = np.where(p.speed * truth.time < way, p.speed, 0.0)
     return truth
 
 
-CASE = Case(
-    name="tunnel_sphere_wall",
+CASE = Case.of(
+    globals(),
     title="Spheres shot at a thin wall",
     question="With what probability does a fast sphere get through a thin wall, and how deep is it left if it does not?",
     source="Ericson, Real-Time Collision Detection, section 2.4.3",
     truth="closed form",
-    scene=scene,
-    expected=expected,
-    parameters=P(),
     duration=DURATION,
     hard=Axis(parameter="speed", unit="m/s", easy=1, extreme=500, lost=0.0),
     checks=(
         Check(
-            tunnelling.tunnel_probability,
+            passage.tunnel_probability,
             0.0,
             "a wall lets no sphere through, at any phase: no centre ends beyond its middle; 0 of 64 put the "
             "probability under 5.7 % (Wilson, 95 %)",
         ),
     ),
-    observe=(tunnelling.tunnel_probability_low, tunnelling.tunnel_probability_high, passage.sink_depth, tunnelling.stop_gap),
-    headline="tunnel_probability",
+    observe=(passage.tunnel_probability_low, passage.tunnel_probability_high, passage.sink_depth, passage.stop_gap),
     eased={"wall four times as thick": {"thickness": 4 * THICKNESS}},
 )

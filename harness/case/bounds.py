@@ -23,14 +23,15 @@ flight that follows taken together with it (x'' = max(0, -2 z w x' - w^2 x) - g,
 
 from plumbline.harness.case.case import Check
 from plumbline.harness.metrics.collapse import collapse_time
-from plumbline.harness.metrics.contact_residuals import (
+from plumbline.harness.metrics.contacts import (
     cone_residual,
     dissipation_residual,
     momentum_residual,
+    penetration,
     signorini_residual,
+    support_force_error,
 )
-from plumbline.harness.metrics.contacts import penetration, support_force_error
-from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.metrics.errors import divergence
 from plumbline.harness.metrics.jitter import rms_speed
 from plumbline.harness.metrics.settled import settled_share_high
 from plumbline.harness.scene import EARTH_GRAVITY

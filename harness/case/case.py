@@ -13,6 +13,7 @@ from pydantic import TypeAdapter, ValidationError
 from plumbline.harness.case.forces import Control
 from plumbline.harness.case.symmetries import Retelling
 from plumbline.harness.metric import Metric
+from plumbline.harness.metrics.errors import divergence
 from plumbline.harness.scene import Scene
 from plumbline.harness.trajectory import Floats, Trajectory
 
@@ -242,6 +243,22 @@ class Case:
     undropped: Scene | None = None
     insists: Mapping[str, str] = field(default_factory=dict)
     eased: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, module: Mapping[str, Any], **fields: Any) -> Self:
+        """The case that a file is: its name, its parameters those of its class `P`, and its functions by their names, `scene`,
+        `expected`, `control`, `retellings` and `rays`. Every state has to be finite, whatever else is checked.
+
+        Args: module: the file's `globals()`. fields: all else that a case states; the headline is the first check's metric, and
+        contacts are recorded where a metric reads them, unless they say otherwise.
+        """
+        checks: tuple[Check, ...] = fields["checks"]
+        metrics = (*(check.metric for check in checks), *fields.get("observe", ()))
+        own = {name: module[name] for name in ("scene", "expected", "control", "retellings", "rays") if name in module}
+        own |= {"name": module["__name__"].rpartition(".")[2], "parameters": module.get("P", Parameters)()}
+        own |= {"headline": checks[0].metric.name, "with_contacts": any(metric.contacts for metric in metrics)}
+        finite = Check(divergence, 0.0, "every number of every sampled state has to be finite")
+        return cls(**{**own, **fields, "checks": (finite, *checks)})
 
     def count_of_worlds(self, parameters: Mapping[str, Any]) -> int:
         """How many worlds are stepped together."""

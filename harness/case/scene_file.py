@@ -12,15 +12,7 @@ from plumbline.harness.case.own_titles import title_of
 from plumbline.harness.case.undropped import kinds_left_out, undropped_scene
 from plumbline.harness.intake.documents import named
 from plumbline.harness.intake.refusal import RobotError
-from plumbline.harness.metrics import (
-    contact_residuals,
-    contacts,
-    divergence,
-    energy,
-    joints,
-    momentum,
-    own_readings,
-)
+from plumbline.harness.metrics import conservation, contacts, errors, joints, readings
 from plumbline.harness.scene import Effect, Scene
 from plumbline.harness.scene.importers.companion import beside, load_companion
 from plumbline.harness.scene.importers.reading import read
@@ -36,21 +28,21 @@ LADDER = (1 / 240, 1 / 480, 1 / 960)
 SAMPLED = 1 / 60
 """About how far apart samples are [s]."""
 OBSERVED = (
-    energy.energy_drift_max,
-    energy.energy_drift_final,
-    energy.energy_drift_staggered_max,
-    energy.energy_gain_max,
-    energy.energy_growth_rate,
-    energy.energy_rise_max,
-    energy.held_energy_gain_max,
-    momentum.momentum_drift_max,
-    momentum.angular_momentum_drift_max,
+    conservation.energy_drift_max,
+    conservation.energy_drift_final,
+    conservation.energy_drift_staggered_max,
+    conservation.energy_gain_max,
+    conservation.energy_growth_rate,
+    conservation.energy_rise_max,
+    conservation.held_energy_gain_max,
+    conservation.momentum_drift_max,
+    conservation.angular_momentum_drift_max,
     joints.joint_gap_max,
     joints.limit_overshoot_max,
     contacts.penetration,
-    contact_residuals.signorini_residual,
-    contact_residuals.cone_residual,
-    contact_residuals.dissipation_residual,
+    contacts.signorini_residual,
+    contacts.cone_residual,
+    contacts.dissipation_residual,
 )
 
 
@@ -76,12 +68,12 @@ def own_case(path: Path, prefix: str, duration: float = DURATION) -> Case:
         scene=lambda _: scene,
         checks=(
             Check(
-                divergence.divergence,
+                errors.divergence,
                 0.0,
                 "every number of every sampled state has to be finite; whether it is right, engines have to agree on",
             ),
         ),
-        observe=(*OBSERVED, own_readings.gyroscope_off_motion, own_readings.range_off_geometry) if scene.sensors else OBSERVED,
+        observe=(*OBSERVED, readings.gyroscope_off_motion, readings.range_off_geometry) if scene.sensors else OBSERVED,
         duration=duration,
         dt=dt,
         # Whole steps, so that the runs of all steps are sampled at the same instants.

@@ -6,8 +6,8 @@ of each fourth of them is another number. So the impulses of every step are summ
 
 import numpy as np
 
-from plumbline.harness.metric.metric import NotMeasurable
-from plumbline.harness.trajectory import Contacts, Floats, Trajectory
+from plumbline.harness.metric.metric import Run
+from plumbline.harness.trajectory import Contacts, Floats
 
 PLACE = "contacts/"
 STAMPS = PLACE + "time"
@@ -38,19 +38,16 @@ def impulses_of(time: list[float], sums: list[dict[tuple[int, int], Floats]]) ->
     return streams
 
 
-def mean_forces(actual: Trajectory, bodies: int) -> Floats:
+def mean_forces(run: Run) -> Floats:
     """The mean force [N] of body a on body b, in W, antisymmetric (bodies, bodies, 3).
 
     It is that of all steps between the first and the last sample where they were summed up, and of the samples elsewhere.
 
     Raises: NotMeasurable.
     """
-    if actual.contacts is None:
-        raise NotMeasurable("no contacts were recorded")
-    if len(actual) == 0:
-        raise NotMeasurable("no samples")
+    actual, bodies = run.actual, len(run.bodies)
     if STAMPS not in actual.streams or len(actual) == 1:
-        mean: Floats = np.mean([forces_between(contacts, bodies) for contacts in actual.contacts], axis=0)
+        mean: Floats = np.mean([forces_between(contacts, bodies) for contacts in run.contacts], axis=0)
         return mean
     # What came before the first sample is no part of this stretch.
     later, seconds = actual.streams[STAMPS] > actual.time[0], actual.time[-1] - actual.time[0]

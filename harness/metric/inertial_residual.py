@@ -7,9 +7,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from plumbline.harness.metric import NotMeasurable
+from plumbline.harness.metric import NotMeasurable, Run
 from plumbline.harness.scene import AxisNoise, Imu, Scene
-from plumbline.harness.trajectory import Floats, Trajectory
+from plumbline.harness.trajectory import Floats
 
 SHARE = 1e-2
 """What the rounding of readings, q^2/12, may be of the variance of the white noise before it counts as a law of its own [1]."""
@@ -23,7 +23,7 @@ def noisy_channels(scene: Scene) -> Iterator[tuple[Imu, str, AxisNoise]]:
             yield sensor, "gyroscope", sensor.noise.gyroscope
 
 
-def inertial_residual(sensor: Imu, channel: str, actual: Trajectory) -> Floats:
+def inertial_residual(sensor: Imu, channel: str, run: Run) -> Floats:
     """Reading less the ideal one as this channel senses it, (k, 3) in the channel's unit; the noise's bias stays in.
 
     Raises:
@@ -33,10 +33,8 @@ def inertial_residual(sensor: Imu, channel: str, actual: Trajectory) -> Floats:
 
     law: AxisNoise = AxisNoise() if sensor.noise is None else getattr(sensor.noise, channel)
     name = f"{sensor.name}/{channel}"
-    if name not in actual.streams or f"{name}_ideal" not in actual.streams:
-        raise NotMeasurable(f"stream '{name}' was not recorded")
-    reading, signal = actual.streams[name], actual.streams[f"{name}_ideal"]
-    if law.saturation is not None and len(reading) and np.abs(reading).max() >= law.saturation - law.quantisation:
+    reading, signal = run.stream(name), run.stream(f"{name}_ideal")
+    if law.saturation is not None and np.abs(reading).max() >= law.saturation - law.quantisation:
         raise NotMeasurable(f"stream '{name}' is cut off at {law.saturation:g}, which hides its noise")
     if law.quantisation**2 / 12 > SHARE * law.density**2 * sensor.rate:
         raise NotMeasurable(f"stream '{name}' is read in steps of {law.quantisation:g}, which hides its noise")

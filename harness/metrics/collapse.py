@@ -20,25 +20,14 @@ from numpy.typing import NDArray
 
 from plumbline.harness.metric import NotMeasurable, Run, metric
 from plumbline.harness.scene import Body, Drive, Revolute, Scene, width
-from plumbline.harness.trajectory import Floats, Trajectory
+from plumbline.harness.trajectory import Floats, State, Trajectory
 from plumbline.harness.trajectory.depths import pair_depths
-from plumbline.harness.trajectory.kinematics import joint_coordinate, movable, rotate_back
+from plumbline.harness.trajectory.kinematics import joint_coordinate, kinetic_energy, movable
 
 SIGNS = ("energy", "penetration", "height", "drive")
 ENERGY_FACTOR = 1e3
 OFF_TARGET = 0.5
 """Of a drive [rad]."""
-
-
-def _kinetic(scene: Scene, actual: Trajectory) -> Floats:
-    """Kinetic energy of the movable bodies (t,) J."""
-    total = np.zeros(len(actual))
-    for place in movable(scene).tolist():
-        body = scene.bodies[place]
-        w_B = rotate_back(actual.q_WB[:, place], actual.w_WB[:, place])
-        total += 0.5 * body.mass * np.sum(actual.v_WB[:, place] ** 2, axis=1)
-        total += 0.5 * np.einsum("ti,ij,tj->t", w_B, np.array(body.inertia), w_B)
-    return total
 
 
 def _reach(scene: Scene) -> float:
@@ -88,15 +77,12 @@ def _signs(scene: Scene, actual: Trajectory) -> Iterator[tuple[str, NDArray[np.b
     bodies = [body for body in scene.bodies if body.movable]
     pull = np.array(scene.gravity)
     lowest = max(float(np.array(body.p_WB) @ pull) for body in scene.bodies)
-    start = Trajectory.of(np.zeros(1), len(scene.bodies))
-    for place, body in enumerate(scene.bodies):
-        start.p_WB[0, place], start.q_WB[0, place] = body.p_WB, body.q_WB
-        start.v_WB[0, place], start.w_WB[0, place] = body.v_WB, body.w_WB
+    start = Trajectory.at(State.initial(scene))
     falls = sum(body.mass * (lowest - float(np.array(body.p_WB) @ pull)) for body in bodies)
     swings = float(np.linalg.norm(pull)) * _reach(scene) * sum(body.mass for body in bodies)
-    available = float(_kinetic(scene, start)[0]) + falls + swings + _sprung(scene, start)
+    available = float(kinetic_energy(scene, start)[0]) + falls + swings + _sprung(scene, start)
     if available > 0:
-        yield "energy", _kinetic(scene, actual) > ENERGY_FACTOR * available
+        yield "energy", kinetic_energy(scene, actual) > ENERGY_FACTOR * available
     yield "penetration", _sunk(scene, actual)
     top = max(body.p_WB[2] for body in bodies)
     highest = [place for place in movable(scene).tolist() if math.isclose(scene.bodies[place].p_WB[2], top, rel_tol=1e-9)]

@@ -7,7 +7,7 @@ vertical through the origin, as a share of the truth's.
 
 import numpy as np
 
-from plumbline.harness.metric import NotMeasurable, Run
+from plumbline.harness.metric import NotMeasurable, Run, metric
 from plumbline.harness.metric.series import Series, three
 from plumbline.harness.trajectory import Floats
 from plumbline.harness.trajectory.kinematics import angle_between
@@ -53,3 +53,9 @@ attitude_error_max, attitude_error_rms, attitude_error_final = three(
 radius_error_max, radius_error_rms, radius_error_final = three(
     "radius_error", "1", "definition: distance from the z axis of W over the truth's, less 1", _radius
 )
+
+
+@metric("1", verdict="a number is not finite", finite=False)
+def divergence(run: Run) -> float:
+    """definition: 0 if all states are finite, else infinite"""
+    return 0.0 if run.actual.finite else float(np.inf)

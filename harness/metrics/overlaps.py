@@ -1,20 +1,11 @@
-"""Bodies in one another's place: those that should be kept apart or in, and those that should meet.
+"""Bodies in one another's place, from poses and shapes alone: those that should be kept apart or in, stay on, or meet.
 
-Overlap: how deep balls stand in one another and in the planes that hold them, from poses alone.
+An engine's own report of contacts may be cut short or hold margins; positions cannot. The ball inscribed in a convex shape
+about its centre lies inside it however the shape turns, so that two of them that overlap, or one that reaches into a half space
+at rest, prove that the bodies do. It is less than the true depth.
 
-An engine's own report of contacts may be cut short or hold margins; positions cannot.
-
-Overlap of inscribed balls: bodies that pass through each other betray themselves by their places alone.
-
-The ball inscribed in a convex shape about its centre lies inside it however it turns, so that two of them that overlap, or one
-that reaches into a half space at rest, prove that the bodies do. It is less than the true depth, and needs no word from the
-engine's own contacts.
-
-Containment: how many of the spheres in a hollow box of walls got out of it.
-
-Meetings: how many pairs of bodies ever touched, so that what is asked of blows is not answered by bodies that passed by.
-
-Ejection: the speed with which bodies that started in one another part.
+A ring that a post goes through holds the post in the place of its own centre of mass. While neither breaks or passes through
+the other, it can leave over the post's end alone.
 """
 
 import math
@@ -23,14 +14,26 @@ from collections.abc import Iterator
 import numpy as np
 
 from plumbline.harness.metric import NotMeasurable, Run, metric
-from plumbline.harness.scene import Body, Box, ConvexHull, Plane, Scene, Sphere, TriangleMesh, rotation_matrix, width
+from plumbline.harness.scene import (
+    Body,
+    Box,
+    ConvexHull,
+    PlacedShape,
+    Plane,
+    Scene,
+    Sphere,
+    TriangleMesh,
+    rotation_matrix,
+    width,
+)
+from plumbline.harness.scene.support import support
 from plumbline.harness.trajectory import Floats
-from plumbline.harness.trajectory.kinematics import rotate, rotate_back
+from plumbline.harness.trajectory.kinematics import movable, rotate, rotate_back
 
 
 def _balls(scene: Scene) -> tuple[list[int], Floats]:
     """Places and radii [m] of the movable bodies, each a single ball about its centre of mass."""
-    places = [place for place, body in enumerate(scene.bodies) if body.movable]
+    places = movable(scene).tolist()
     radii: list[float] = []
     for place in places:
         shapes = scene.bodies[place].collision
@@ -60,8 +63,6 @@ def overlap(run: Run) -> float:
 
     places, radii = _balls(run.scene)
     planes = list(_planes(run.scene))
-    if len(run.actual) == 0:
-        raise NotMeasurable("no samples")
     deepest, reach = 0.0, 2.0 * float(radii.max())
     for centres in run.actual.p_WB[:, places]:
         pairs = cKDTree(centres).query_pairs(reach, output_type="ndarray")
@@ -84,20 +85,18 @@ def _inscribed(body: Body) -> float | None:
 @metric("m")
 def inscribed_overlap(run: Run) -> float:
     """definition: greatest overlap, at any sample, of the balls inscribed in two bodies that can touch; 0 where none"""
-    if len(run.actual) == 0:
-        raise NotMeasurable("no sample lies in the time that is judged")
-    radii = [_inscribed(body) for body in run.scene.bodies]
+    radii = [_inscribed(body) for body in run.bodies]
     deepest, pairs = -np.inf, 0
     for a, r_a in enumerate(radii):
         for b in range(a + 1, len(radii)):
             r_b = radii[b]
-            if r_a is None or r_b is None or not run.scene.collides(run.scene.bodies[a], run.scene.bodies[b]):
+            if r_a is None or r_b is None or not run.scene.collides(run.bodies[a], run.bodies[b]):
                 continue
             pairs += 1
             distance = np.linalg.norm(run.actual.p_WB[:, a] - run.actual.p_WB[:, b], axis=-1)
             deepest = np.maximum(deepest, np.max(r_a + r_b - distance))
-        for b, other in enumerate(run.scene.bodies):
-            if r_a is None or other.motion != "static" or not run.scene.collides(run.scene.bodies[a], other):
+        for b, other in enumerate(run.bodies):
+            if r_a is None or other.motion != "static" or not run.scene.collides(run.bodies[a], other):
                 continue
             for placed in other.collision:
                 if isinstance(placed.shape, Plane):
@@ -130,24 +129,20 @@ def escaped_share(run: Run) -> float:
     kept = [
         i
         for i in run.movable
-        if i != place
-        and run.scene.bodies[i].collision
-        and all(isinstance(p.shape, Sphere) for p in run.scene.bodies[i].collision)
+        if i != place and run.bodies[i].collision and all(isinstance(p.shape, Sphere) for p in run.bodies[i].collision)
     ]
-    if not kept or len(run.actual) == 0:
-        raise NotMeasurable("no sphere is contained, or no sample lies in the time that is judged")
+    if not kept:
+        raise NotMeasurable("no sphere is contained")
     away = run.actual.p_WB[-1, kept] - run.actual.p_WB[-1, place]
     inside = rotate_back(np.broadcast_to(run.actual.q_WB[-1, place], (len(kept), 4)), away)
     return float(np.mean((np.abs(inside) > reach).any(axis=1)))
 
 
-@metric("1", better="higher", verdict="two bodies overlap in a point or push each other")
+@metric("1", contacts=True, better="higher", verdict="two bodies overlap in a point or push each other")
 def pairs_met(run: Run) -> float:
     """definition: pairs of bodies with a point of contact, at some sample, that overlaps or carries a force"""
-    if run.actual.contacts is None:
-        raise NotMeasurable("no contacts were recorded")
     met = set()
-    for contacts in run.actual.contacts:
+    for contacts in run.contacts:
         # Engines list pairs that are near too; those neither overlap nor push.
         touch = (contacts.gap <= 0) | (np.linalg.norm(contacts.force_W, axis=1) > 0)
         pairs = np.sort(np.stack([contacts.body_A, contacts.body_B], axis=1)[touch], axis=1)
@@ -161,7 +156,69 @@ def ejection_speed(run: Run) -> float:
     truth, places = run.truth, run.movable
     pull = np.array(run.scene.gravity)
     g = float(np.linalg.norm(pull))
-    if len(places) == 0 or len(run.actual) == 0 or g == 0:
-        raise NotMeasurable("no movable body, no samples or no gravity to turn a speed into a height")
+    if len(places) == 0 or g == 0:
+        raise NotMeasurable("no movable body, or no gravity to turn a speed into a height")
     rise = -(run.actual.p_WB[:, places] - truth.p_WB[:, places]) @ pull / g
     return math.sqrt(2 * g * max(0.0, float(np.max(rise))))
+
+
+def _outside(placed: PlacedShape, points_B: Floats) -> Floats:
+    """The distance (t,) m of points (t, 3) in B from a box of the body; 0 within it."""
+    assert isinstance(placed.shape, Box)
+    points_S = rotate_back(np.array(placed.q_BS), points_B - np.array(placed.p_BS))
+    away: Floats = np.linalg.norm(np.maximum(np.abs(points_S) - np.array(placed.shape.half_extents), 0.0), axis=-1)
+    return away
+
+
+@metric("m", verdict="a ring that a post goes through comes off it sideways, which no solid ring can")
+def unthreaded(run: Run) -> float:
+    """topology: greatest distance of a ring's centre of mass from the box that the ring was put over, 0 while within"""
+    farthest, threaded = 0.0, 0
+    for place, ring in enumerate(run.bodies):
+        for other, holder in enumerate(run.bodies):
+            if other == place or not ring.movable or not run.scene.collides(ring, holder):
+                continue
+            start = rotate_back(np.array(holder.q_WB), np.array(ring.p_WB) - np.array(holder.p_WB))
+            for placed in holder.collision:
+                if isinstance(placed.shape, Box) and _outside(placed, start[None])[0] == 0.0:
+                    threaded += 1
+                    path = rotate_back(run.actual.q_WB[:, other], run.actual.p_WB[:, place] - run.actual.p_WB[:, other])
+                    farthest = max(farthest, float(np.max(_outside(placed, path))))
+    if not threaded:
+        raise NotMeasurable("no body is put over a box of another: no centre of mass lies in one at the start")
+    return farthest
+
+
+def _outermost(body: Body, up_B: Floats) -> Floats:
+    """The support function of a body: how far from its origin it reaches along directions (t, 3) in B, (t,) m."""
+    if not body.collision or any(isinstance(placed.shape, Plane) for placed in body.collision):
+        raise NotMeasurable(f"body '{body.name}' has no shape, or one without end")
+    outermost: Floats = np.max(
+        [up_B @ np.array(p.p_BS) + support(p.shape, rotate_back(np.array(p.q_BS), up_B)) for p in body.collision], axis=0
+    )
+    return outermost
+
+
+@metric("m")
+def cam_follower_gap(run: Run) -> float:
+    """definition: greatest distance, or depth, between the highest point of a cam and the lowest of the follower on it, along
+    its rail"""
+    places = {body.name: place for place, body in enumerate(run.bodies)}
+    cams = [place for place, body in enumerate(run.bodies) if body.motion == "kinematic"]
+    rails = [joint for joint in run.scene.joints if joint.type == "prismatic"]
+    if not cams or not rails:
+        raise NotMeasurable(f"{len(cams)} cams, {len(rails)} followers on rails, expected some of each")
+    worst = 0.0
+    for rail in rails:
+        follower, up = places[rail.child], np.array(rail.axis_W)
+        # Each rides on the cam that its rail leads to.
+        off = [np.linalg.norm(np.cross(np.array(run.bodies[cam].p_WB) - rail.anchor_W, up)) for cam in cams]
+        cam = cams[int(np.argmin(off))]
+        ways = [
+            rotate_back(run.actual.q_WB[:, place], np.broadcast_to(way, (len(run.actual), 3)))
+            for place, way in ((cam, up), (follower, -up))
+        ]
+        apart = (run.actual.p_WB[:, follower] - run.actual.p_WB[:, cam]) @ up
+        gap = apart - _outermost(run.bodies[cam], ways[0]) - _outermost(run.bodies[follower], ways[1])
+        worst = max(worst, float(np.max(np.abs(gap))))
+    return worst

@@ -8,6 +8,7 @@ that falls on a plate while it slides along it, that is straight down. A body ha
 * stops that it turns against, if it ends with its middle beyond theirs, by the angle that it has turned.
 
 One that is left deep in what stopped it has not passed. How far it sank is a number of its own, in half widths of the body.
+Spheres that are shot at a wall need no truth: they tunnel if their centre ends beyond its middle.
 """
 
 import math
@@ -17,7 +18,7 @@ import numpy as np
 
 from plumbline.harness.metric import NotMeasurable, Run, metric
 from plumbline.harness.metric.series import proportion
-from plumbline.harness.scene import Body, Scene, width
+from plumbline.harness.scene import Body, Box, Scene, Sphere, rotation_matrix, width
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.trajectory.kinematics import rotate, rotate_back
 from plumbline.harness.trajectory.touching import reach
@@ -44,20 +45,18 @@ def _half_width(body: Body) -> float:
 def _stopped_ways(run: Run) -> tuple[Trajectory, list[tuple[int, Floats]]]:
     """The truth, and of each body that it stops the place and the unit way (3,) along which it does."""
     truth = run.truth
-    if len(run.actual) == 0:
-        raise NotMeasurable("no sample lies in the time that is judged")
     ways = []
     for place in run.movable:
-        lost = np.array(run.scene.bodies[place].v_WB) - truth.v_WB[-1, place]
+        lost = np.array(run.bodies[place].v_WB) - truth.v_WB[-1, place]
         speed = float(np.linalg.norm(lost))
         if speed > 0.0:
             ways.append((int(place), lost / speed))
     return truth, ways
 
 
-def _beyond(scene: Scene, actual: Trajectory, truth: Trajectory, place: int, ways: list[tuple[int, Floats]]) -> bool:
+def _beyond(run: Run, truth: Trajectory, place: int, ways: list[tuple[int, Floats]]) -> bool:
     """Does a body end beyond what stops it on its way?"""
-    body, way = scene.bodies[place], dict(ways)[place]
+    scene, actual, body, way = run.scene, run.actual, run.bodies[place], dict(ways)[place]
     coming = [k for k, other in ways if other @ way < 0 and scene.collides(body, scene.bodies[k])]
     if coming:
         met = min(coming, key=lambda k: float(np.linalg.norm(truth.p_WB[-1, k] - truth.p_WB[-1, place])))
@@ -76,11 +75,11 @@ def _shots(run: Run) -> list[_Shot]:
     truth, ways = _stopped_ways(run)
     shots = []
     for k, way in ways:
-        sunk = float((run.actual.p_WB[-1, k] - truth.p_WB[-1, k]) @ way) / _half_width(run.scene.bodies[k])
-        shots.append(_Shot(_beyond(run.scene, run.actual, truth, k, ways), sunk))
-    stops = [] if shots else [body for body in run.scene.bodies if not body.movable and body.collision]
+        sunk = float((run.actual.p_WB[-1, k] - truth.p_WB[-1, k]) @ way) / _half_width(run.bodies[k])
+        shots.append(_Shot(_beyond(run, truth, k, ways), sunk))
+    stops = [] if shots else [body for body in run.bodies if not body.movable and body.collision]
     for place in run.movable if stops else ():
-        body = run.scene.bodies[place]
+        body = run.bodies[place]
         spin = np.array(body.w_WB)
         if not spin.any() or truth.w_WB[-1, place].any():
             continue
@@ -122,27 +121,68 @@ def sink_depth(run: Run) -> list[float]:
 def _speeds(run: Run) -> list[tuple[Floats, Floats]]:
     """Of each body that was stopped: the way (3,), and by how much its final velocity misses the truth's (3,) m/s."""
     truth, ways = _stopped_ways(run)
-    errors = []
-    for place, way in ways:
-        if not _beyond(run.scene, run.actual, truth, place, ways):
-            errors.append((way, run.actual.v_WB[-1, place] - truth.v_WB[-1, place]))
-    if not errors:
-        raise NotMeasurable("no body is stopped")
-    return errors
+    return [
+        (way, run.actual.v_WB[-1, place] - truth.v_WB[-1, place]) for place, way in ways if not _beyond(run, truth, place, ways)
+    ]
 
 
-@metric("m/s")
-def lateral_kick(run: Run) -> float:
+@metric("m/s", empty="no body is stopped")
+def lateral_kick(run: Run) -> list[float]:
     """definition: by how much a stopped body's final velocity misses the truth's across the way on which it is stopped"""
-    return float(np.max([np.linalg.norm(miss - (miss @ way) * way) for way, miss in _speeds(run)]))
+    return [float(np.linalg.norm(miss - (miss @ way) * way)) for way, miss in _speeds(run)]
 
 
-@metric("m/s")
-def rest_speed(run: Run) -> float:
+@metric("m/s", empty="no body is stopped")
+def rest_speed(run: Run) -> list[float]:
     """definition: by how much a stopped body's final velocity misses the truth's along the way on which it is stopped"""
-    return float(np.max([abs(miss @ way) for way, miss in _speeds(run)]))
+    return [float(abs(miss @ way)) for way, miss in _speeds(run)]
 
 
 passage_probability, passage_probability_low, passage_probability_high = proportion(
     "passage_probability", SOURCE, "a centre ends beyond the middle of what should stop it", _count
+)
+
+
+WALL_SOURCE = "share of spheres whose centre ends beyond the middle of the wall"
+
+
+def _wall(scene: Scene) -> tuple[Body, Box]:
+    for body in scene.bodies:
+        if not body.movable and isinstance(body.only_shape, Box):
+            return body, body.only_shape
+    raise NotMeasurable("no wall: a fixed body of one box")
+
+
+def _ends(run: Run) -> list[tuple[float, float]]:
+    """Of each sphere that is shot: how far [m] its centre ends past the wall's middle, and where it is if it touches the face.
+
+    The wall's extent along the shot is that of its box, which lies across the shot.
+    """
+    wall, box = _wall(run.scene)
+    ends = []
+    axes = np.array(rotation_matrix(wall.q_WB)).T
+    for place, body in enumerate(run.bodies):
+        if body.movable and any(body.v_WB) and isinstance(body.only_shape, Sphere):
+            way = np.array(body.v_WB) / np.linalg.norm(body.v_WB)
+            half = float(sum(abs(way @ axis) * extent for axis, extent in zip(axes, box.half_extents, strict=True)))
+            ends.append((float((run.actual.p_WB[-1, place] - np.array(wall.p_WB)) @ way), -half - body.only_shape.radius))
+    if not ends:
+        raise NotMeasurable("no sphere is shot")
+    return ends
+
+
+def _through_wall(run: Run) -> tuple[int, int]:
+    """How many passed, of how many."""
+    ends = _ends(run)
+    return sum(distance > 0 for distance, _ in ends), len(ends)
+
+
+@metric("m", empty="no sphere is stopped")
+def stop_gap(run: Run) -> list[float]:
+    """greatest distance from the wall's face at which a stopped sphere ends; 0 without restitution, more after a rebound"""
+    return [max(0.0, face - distance) for distance, face in _ends(run) if distance <= 0]
+
+
+tunnel_probability, tunnel_probability_low, tunnel_probability_high = proportion(
+    "tunnel_probability", WALL_SOURCE, "a centre ends beyond the middle of the wall", _through_wall
 )

@@ -1,10 +1,8 @@
-"""Bodies that slide to a stop: how far, how long, and how level.
+"""Friction: how far, how long and how level bodies slide, whether friction holds what it should, and in every direction alike.
 
-Creep: the speed of bodies that friction should hold.
-
-Foot slip: how far the points that bear a machine wander over the ground.
-
-Isotropy of friction: does the direction of a push change where the body stops?
+Painleve's coefficient is what multiplies the load on the foot of a sliding rod in the law of its normal acceleration:
+A = 1 + (m/I) c (c - mu h), c and h the ways of the centre of mass from the foot along and above the ground. Positive: Coulomb's
+law has one solution. Negative: it has none or two, which is the regime of the paradox.
 """
 
 import math
@@ -12,7 +10,7 @@ import math
 import numpy as np
 
 from plumbline.harness.metric import NotMeasurable, Run, metric
-from plumbline.harness.scene import Scene
+from plumbline.harness.scene import Sphere
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.trajectory.kinematics import rotate, rotate_back
 
@@ -22,27 +20,16 @@ LEVEL = 0.1
 two samples, where engines regularise friction near zero speed."""
 
 
-def _movable(scene: Scene) -> list[int]:
-    return [place for place, body in enumerate(scene.bodies) if body.movable]
-
-
-def _truth(expected: Trajectory | None) -> Trajectory:
-    if expected is None or len(expected) == 0:
-        raise NotMeasurable("no truth to compare with")
-    return expected
-
-
 @metric("1", SOURCE, empty="the truth moves no body")
 def stop_distance_error(run: Run) -> list[float]:
     """horizontal way at the end against the truth's, relative, worst body"""
-    truth = _truth(run.expected)
+    truth = run.truth
     errors = []
-    for i in _movable(run.scene):
-        start = np.array(run.scene.bodies[i].p_WB)
-        true_way = float(np.linalg.norm((truth.p_WB[-1, i] - start)[:2]))
-        way = float(np.linalg.norm((run.actual.p_WB[-1, i] - start)[:2]))
-        if true_way > 0:
-            errors.append(abs(way - true_way) / true_way)
+    for i in run.movable:
+        start = np.array(run.bodies[i].p_WB)
+        way, due = (float(np.linalg.norm((motion.p_WB[-1, i] - start)[:2])) for motion in (run.actual, truth))
+        if due > 0:
+            errors.append(abs(way - due) / due)
     return errors
 
 
@@ -60,9 +47,9 @@ def _stopping(time: Floats, speed: Floats) -> float:
 @metric("1", SOURCE, empty="the truth stops no body within the run")
 def stop_time_error(run: Run) -> list[float]:
     """time to fall to a tenth of the first speed, relative to the truth's, worst body"""
-    truth = _truth(run.expected)
+    truth = run.truth
     errors = []
-    for i in _movable(run.scene):
+    for i in run.movable:
         true_speed = np.linalg.norm(truth.v_WB[:, i, :2], axis=1)
         if true_speed[0] > 0 and np.isfinite(stop := _stopping(truth.time, true_speed)):
             errors.append(abs(_stopping(run.actual.time, np.linalg.norm(run.actual.v_WB[:, i, :2], axis=1)) - stop) / stop)
@@ -72,20 +59,15 @@ def stop_time_error(run: Run) -> list[float]:
 @metric("m")
 def centre_rise(run: Run) -> float:
     """unilateral contact on a level plane: the greatest rise of a centre of mass over its start, worst body"""
-    starts = np.array([run.scene.bodies[i].p_WB[2] for i in _movable(run.scene)])
-    return float(np.max(run.actual.p_WB[:, _movable(run.scene), 2] - starts))
+    starts = np.array([run.bodies[i].p_WB[2] for i in run.movable])
+    return float(np.max(run.actual.p_WB[:, run.movable, 2] - starts))
 
 
-@metric("m/s")
+@metric("m/s", samples=2)
 def creep_speed(run: Run) -> float:
     """static friction holds: mean speed over the window of the bodies that the truth keeps in place, worst body"""
-    if run.expected is None:
-        raise NotMeasurable("no truth to say which bodies stay")
-    if len(run.actual) < 2:
-        raise NotMeasurable("fewer than two samples")
-    still = [
-        i for i, b in enumerate(run.scene.bodies) if b.movable and not np.any(run.expected.p_WB[:, i] - run.expected.p_WB[0, i])
-    ]
+    truth = run.truth
+    still = [i for i in run.movable if not np.any(truth.p_WB[:, i] - truth.p_WB[0, i])]
     if not still:
         raise NotMeasurable("the truth holds no body")
     way = np.linalg.norm(run.actual.p_WB[-1, still] - run.actual.p_WB[0, still], axis=1)
@@ -99,16 +81,11 @@ def _carried(actual: Trajectory, place: int, point_W: Floats) -> Floats:
     return carried
 
 
-@metric("m")
+@metric("m", contacts=True)
 def foot_slip(run: Run) -> float:
     """static friction holds: greatest way along the ground of the material points that bear on it when the window begins"""
-    if run.actual.contacts is None:
-        raise NotMeasurable("no contacts were recorded")
-    if len(run.actual) == 0:
-        raise NotMeasurable("no sample lies in the time that is judged")
-    movable = [body.movable for body in run.scene.bodies]
+    movable, first = [body.movable for body in run.bodies], run.contacts[0]
     ways = []
-    first = run.actual.contacts[0]
     for a, b, point, normal, force in zip(
         first.body_A, first.body_B, first.point_W, first.normal_W, first.force_W, strict=True
     ):
@@ -125,11 +102,11 @@ ISOTROPY_SOURCE = "Coulomb's cone is round: |f| <= mu N in every direction of th
 
 def _ways(run: Run) -> tuple[Floats, Floats]:
     """Horizontal displacements (n, 2) m at the end and the directions (n, 2) of the pushes."""
-    pushed = [i for i, body in enumerate(run.scene.bodies) if body.movable and math.hypot(*body.v_WB[:2]) > 0]
+    pushed = [i for i in run.movable if math.hypot(*run.bodies[i].v_WB[:2]) > 0]
     if len(pushed) < 2:
         raise NotMeasurable(f"{len(pushed)} bodies are pushed, expected at least two")
-    starts = np.array([run.scene.bodies[i].p_WB[:2] for i in pushed])
-    pushes = np.array([run.scene.bodies[i].v_WB[:2] for i in pushed])
+    starts = np.array([run.bodies[i].p_WB[:2] for i in pushed])
+    pushes = np.array([run.bodies[i].v_WB[:2] for i in pushed])
     ways: Floats = run.actual.p_WB[-1, pushed, :2] - starts
     return ways, pushes / np.linalg.norm(pushes, axis=1, keepdims=True)
 
@@ -150,3 +127,27 @@ def heading_error(run: Run) -> float:
         return math.nan
     across = ways[:, 0] * pushes[:, 1] - ways[:, 1] * pushes[:, 0]
     return float(np.max(np.abs(np.arctan2(across, np.sum(ways * pushes, axis=1)))))
+
+
+@metric("1", better="higher")
+def painleve_coefficient(run: Run) -> float:
+    """Genot, Brogliato, Eur. J. Mech. A/Solids 18 (1999) 653, with a rounded foot: least value over the run; below 0 Coulomb's
+    law and rigidity contradict each other"""
+    bodies = run.movable
+    if len(bodies) != 1:
+        raise NotMeasurable(f"{len(bodies)} movable bodies, expected one")
+    rod = run.bodies[bodies[0]]
+    feet = [placed for placed in rod.collision if isinstance(placed.shape, Sphere)]
+    grounds = [body for body in run.bodies if run.scene.collides(rod, body)]
+    if len(feet) != 2 or len(feet) != len(rod.collision) or len(grounds) != 1:
+        raise NotMeasurable(f"body '{rod.name}' is no rod with two round ends on one ground")
+    friction = run.scene.surface(rod, grounds[0]).kinetic_friction
+    smallest = np.inf
+    for foot in feet:
+        arm = -rotate(run.actual.q_WB[:, bodies[0]], np.broadcast_to(foot.p_BS, (len(run.actual), 3)))
+        along, above = np.hypot(arm[:, 0], arm[:, 1]), arm[:, 2] + getattr(foot.shape, "radius", 0.0)
+        inertia = float(np.linalg.eigvalsh(np.array(rod.inertia))[-1])
+        coefficient = 1 + rod.mass / inertia * along * (along - friction * above)
+        # The end that is up has its arm downwards, and a coefficient that is never small.
+        smallest = np.minimum(smallest, np.min(coefficient))
+    return float(smallest)

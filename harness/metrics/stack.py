@@ -11,9 +11,9 @@ from plumbline.harness.trajectory import Floats, Trajectory
 
 def _tops(run: Run) -> tuple[list[int], float]:
     """The places of the movable bodies that start highest, of which there may be several alike, and their height [m]."""
-    heights = {place: body.p_WB[2] for place, body in enumerate(run.scene.bodies) if body.movable}
-    if not heights or len(run.actual) == 0:
-        raise NotMeasurable("no movable body or no samples")
+    heights = {place: run.bodies[place].p_WB[2] for place in run.movable.tolist()}
+    if not heights:
+        raise NotMeasurable("no body can move")
     top = max(heights.values())
     return [place for place, height in heights.items() if math.isclose(height, top, rel_tol=1e-9)], top
 
@@ -32,13 +32,12 @@ def standing_height(run: Run) -> float:
     return float(np.min(run.actual.p_WB[:, tops, 2])) / start
 
 
-@metric("m")
-def lean(run: Run) -> float:
+@metric("m", empty="no body can move")
+def lean(run: Run) -> Floats:
     """greatest horizontal way of any movable body from its start"""
-    _tops(run)
-    movable = [place for place, body in enumerate(run.scene.bodies) if body.movable]
-    starts = np.array([run.scene.bodies[place].p_WB[:2] for place in movable])
-    return float(np.max(np.linalg.norm(run.actual.p_WB[:, movable, :2] - starts, axis=2)))
+    starts = np.array([body.p_WB[:2] for body in run.bodies])
+    ways: Floats = np.linalg.norm((run.actual.p_WB[..., :2] - starts)[:, run.movable], axis=2)
+    return ways
 
 
 def _turning(actual: Trajectory, place: int, inertia: Floats) -> Floats:
@@ -55,9 +54,9 @@ def residual_kinetic_energy(run: Run) -> float:
     """mean kinetic energy of all movable bodies over the window, divided by their mass"""
     _tops(run)
     total, mass = np.zeros(len(run.actual)), 0.0
-    for place, body in enumerate(run.scene.bodies):
-        if body.movable:
-            total += 0.5 * body.mass * np.sum(run.actual.v_WB[:, place] ** 2, axis=1)
-            total += _turning(run.actual, place, np.array(body.inertia))
-            mass += body.mass
+    for place in run.movable.tolist():
+        body = run.bodies[place]
+        total += 0.5 * body.mass * np.sum(run.actual.v_WB[:, place] ** 2, axis=1)
+        total += _turning(run.actual, place, np.array(body.inertia))
+        mass += body.mass
     return float(total.mean()) / mass

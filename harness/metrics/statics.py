@@ -19,11 +19,9 @@ friction at the foot has to balance: the frame stands iff
 if the cards hold on to each other. A frame is two movable boxes, one after the other in the scene.
 Source: Beer, Johnston, Vector Mechanics: Statics, 12th ed., sections 6.3 and 8.1 (frames; dry friction).
 
-Overhang: how far bricks laid on each other reach beyond the edge of a table before they fall.
-
-A stack is a static box, the table, and the movable boxes that follow it in the scene, from the lowest to the highest. Bricks
-of length l, each with its end beyond the one below, stand iff the common centre of mass of those above each edge lies inside
-of it; n bricks reach at most
+Overhang: how far bricks laid on each other reach beyond the edge of a table before they fall. A stack is a static box, the
+table, and the movable boxes that follow it in the scene, from the lowest to the highest. Bricks of length l, each with its end
+beyond the one below, stand iff the common centre of mass of those above each edge lies inside of it; n bricks reach at most
 
     l/2 (1 + 1/2 + ... + 1/n).
 
@@ -37,7 +35,7 @@ from typing import Literal
 import numpy as np
 
 from plumbline.harness.metric import NotMeasurable, Run, metric
-from plumbline.harness.scene import Body, Box, Scene, rotate
+from plumbline.harness.scene import Body, Box, Scene, Surface, rotate
 from plumbline.harness.trajectory.kinematics import rotate as rotate_along
 
 SOURCE = "Coulomb friction on an incline: slides iff tan(angle) > mu, then a = g (sin - mu cos)"
@@ -46,26 +44,27 @@ Slope = tuple[float, float, float, float]
 """Angle [rad], friction coefficient, acceleration in truth (negative: margin of sticking) and as measured [m/s2]."""
 
 
-def _friction(scene: Scene, body: Body) -> float:
+def _law(scene: Scene, body: Body) -> Surface:
+    """The law of contact of a body with what it rests on."""
     for other in scene.bodies:
         if not other.movable and scene.collides(body, other):
-            return scene.surface(body, other).kinetic_friction
+            return scene.surface(body, other)
     raise NotMeasurable(f"body '{body.name}' has nothing to rest on")
 
 
 def _slopes(run: Run) -> list[Slope]:
     """One row a box; its base is parallel to the incline at the start, and it starts at rest."""
     g = float(np.linalg.norm(run.scene.gravity))
-    if g == 0 or len(run.actual) == 0 or run.actual.time[-1] <= 0:
+    if g == 0 or run.actual.time[-1] <= 0:
         raise NotMeasurable("no gravity or no time to slide")
     slopes = []
-    for place, body in enumerate(run.scene.bodies):
+    for place, body in enumerate(run.bodies):
         if body.movable:
             normal = np.array(rotate(body.q_WB, (0.0, 0.0, 1.0)))
             pull = np.array(run.scene.gravity)
             along = pull - normal * (pull @ normal)
             angle = math.atan2(float(np.linalg.norm(along)), float(-pull @ normal))
-            mu = _friction(run.scene, body)
+            mu = _law(run.scene, body).kinetic_friction
             way = float((run.actual.p_WB[-1, place] - np.array(body.p_WB)) @ along / np.linalg.norm(along))
             slopes.append((angle, mu, g * (math.sin(angle) - mu * math.cos(angle)), 2 * way / float(run.actual.time[-1]) ** 2))
     if not slopes:
@@ -89,14 +88,11 @@ def threshold_angle_error(run: Run) -> float:
     return abs((sticking + sliding) / 2 - true_angle) / true_angle
 
 
-@metric("1", SOURCE)
-def incline_acceleration_error(run: Run) -> float:
+@metric("1", SOURCE, empty="no incline is steep enough to slide")
+def incline_acceleration_error(run: Run) -> list[float]:
     """mean acceleration 2 s/t^2 of the boxes that slide in truth, error over g, worst box"""
-    slopes = _slopes(run)
-    errors = [abs(acceleration - true) for _, _, true, acceleration in slopes if true > 0]
-    if not errors:
-        raise NotMeasurable("no incline is steep enough to slide")
-    return float(np.max(errors)) / float(np.linalg.norm(run.scene.gravity))
+    g = float(np.linalg.norm(run.scene.gravity))
+    return [abs(acceleration - true) / g for _, _, true, acceleration in _slopes(run) if true > 0]
 
 
 TIPPING_SOURCE = "Meriam, Kraige, Statics, section 6/3: tips iff tan(angle) > b/h before it slides at tan(angle) = mu"
@@ -117,20 +113,19 @@ class _Fate:
 
 def _fates(run: Run) -> list[_Fate]:
     g = np.array(run.scene.gravity)
-    if not g.any() or len(run.actual) == 0 or run.actual.time[-1] <= 0:
+    if not g.any() or run.actual.time[-1] <= 0:
         raise NotMeasurable("no gravity or no time to move")
     fates = []
-    for place, body in enumerate(run.scene.bodies):
+    for place, body in enumerate(run.bodies):
         if not body.movable:
             continue
-        shape = body.collision[0].shape if len(body.collision) == 1 else None
-        ground = next((b for b in run.scene.bodies if not b.movable and run.scene.collides(body, b)), None)
-        if not isinstance(shape, Box) or ground is None:
-            raise NotMeasurable(f"body '{body.name}' is no single box on an incline")
+        shape = body.only_shape
+        if not isinstance(shape, Box):
+            raise NotMeasurable(f"body '{body.name}' is no single box")
         along, normal = (np.array(rotate(body.q_WB, axis)) for axis in ((1.0, 0.0, 0.0), (0.0, 0.0, 1.0)))
         pull, load = float(g @ along), float(-g @ normal)
         slope, tips_at = pull / load, shape.half_extents[0] / shape.half_extents[2]
-        mu = run.scene.surface(body, ground).kinetic_friction
+        mu = _law(run.scene, body).kinetic_friction
         true: Literal["holds", "slides", "tips"] = "holds"
         if slope > min(mu, tips_at):
             true = "tips" if tips_at <= mu else "slides"
@@ -186,30 +181,23 @@ class _Frame:
     stood: float
 
 
-def _friction_of_feet(scene: Scene, card: Body) -> float:
-    for other in scene.bodies:
-        if not other.movable and scene.collides(card, other):
-            return scene.surface(card, other).static_friction
-    raise NotMeasurable(f"body '{card.name}' has nothing to stand on")
-
-
 def _frames(run: Run) -> list[_Frame]:
     """All frames; a card stands along the z axis of its body, its thickness along x."""
-    cards = [place for place, body in enumerate(run.scene.bodies) if body.movable]
-    if len(cards) < 2 or len(cards) % 2 or len(run.actual) == 0:
-        raise NotMeasurable(f"{len(cards)} cards and {len(run.actual)} samples, expected pairs and at least one")
+    cards = run.movable
+    if len(cards) < 2 or len(cards) % 2:
+        raise NotMeasurable(f"{len(cards)} cards, expected pairs")
     frames = []
     for pair in zip(cards[::2], cards[1::2], strict=True):
-        card = run.scene.bodies[pair[0]]
-        shape = card.collision[0].shape if len(card.collision) == 1 else None
+        card = run.bodies[pair[0]]
+        shape = card.only_shape
         if not isinstance(shape, Box):
             raise NotMeasurable(f"body '{card.name}' is no single box")
         angle = math.acos(rotate(card.q_WB, (0.0, 0.0, 1.0))[2])
         critical = critical_friction(angle, shape.half_extents[2], shape.half_extents[0])
-        start = np.array([run.scene.bodies[i].p_WB[2] for i in pair])
+        start = np.array([run.bodies[i].p_WB[2] for i in pair])
         sunk = np.any(run.actual.p_WB[:, pair, 2] < start / 2, axis=1)
         stood = float(run.actual.time[np.argmax(sunk)] if sunk.any() else math.inf)
-        frames.append(_Frame(_friction_of_feet(run.scene, card) / critical, stood))
+        frames.append(_Frame(_law(run.scene, card).static_friction / critical, stood))
     return frames
 
 
@@ -245,9 +233,9 @@ def harmonic_overhang(n: int) -> float:
 
 
 def _half_extents(body: Body) -> tuple[float, float, float]:
-    if len(body.collision) != 1 or not isinstance(body.collision[0].shape, Box):
+    if not isinstance(body.only_shape, Box):
         raise NotMeasurable(f"body '{body.name}' is no single box")
-    return body.collision[0].shape.half_extents
+    return body.only_shape.half_extents
 
 
 def _stacks(scene: Scene) -> list[tuple[float, list[int]]]:
@@ -272,15 +260,13 @@ def overhang_limit_error(run: Run) -> float:
     """Hall 2005; middle between the shortest overhang that falls and the longest below it that stands, over the limit, less
     1"""
     stacks = _stacks(run.scene)
-    if len(run.actual) == 0:
-        raise NotMeasurable("no samples")
     # Where all stand the limit is taken for at least twice the longest; where all fall, for half of the shortest. What stands
     # beyond the first that falls is no limit: else short ones that fall and long ones that stand would make up for each other.
     stood, falling = [0.0], 2 * max(overhang for overhang, _ in stacks)
     for overhang, bricks in stacks:
-        start = np.array([run.scene.bodies[i].p_WB[2] for i in bricks])
+        start = np.array([run.bodies[i].p_WB[2] for i in bricks])
         # A brick has fallen when it has sunk by its own half thickness: what tips over the edge below does.
-        thick = np.array([_half_extents(run.scene.bodies[i])[2] for i in bricks])
+        thick = np.array([_half_extents(run.bodies[i])[2] for i in bricks])
         if np.any(start - run.actual.p_WB[-1, bricks, 2] > thick):
             falling = min(falling, overhang)
         else:

@@ -7,7 +7,7 @@ import numpy as np
 from pydantic.dataclasses import dataclass
 
 from plumbline.harness.scene.appearance import Appearance
-from plumbline.harness.scene.inertia import box_inertia, sphere_inertia
+from plumbline.harness.scene.inertia import solid_inertia
 from plumbline.harness.scene.prescribed import Prescribed
 from plumbline.harness.scene.shape import Box, Plane, Shape, Sphere
 from plumbline.harness.scene.values import FROZEN, Matrix3, Name, NonNegative, Positive, Quaternion, Vector3
@@ -87,18 +87,24 @@ class Body:
             raise ValueError(f"{where}: a plane has no bounds; expected motion 'static' or 'kinematic', got 'dynamic'")
 
     @classmethod
-    def box(cls, name: str, half_extents: Vector3, mass: float = 1.0, *, touches: bool = True, **fields: Any) -> Self:
-        """A solid box [m, kg] that touches, or is only seen. Args: fields: the others of a body."""
-        inertia, shape = box_inertia(mass, half_extents), Box(half_extents=half_extents)
+    def solid(cls, name: str, shape: Shape, mass: float = 1.0, *, touches: bool = True, **fields: Any) -> Self:
+        """A body [kg] of one shape at its origin, which touches, or is only seen.
+
+        Args: fields: the others of a body; its inertia is that of a uniform solid unless it is among them.
+        """
         fields["collision" if touches else "visual"] = (PlacedShape(shape=shape),)
+        inertia = fields.pop("inertia", None) or solid_inertia(mass, shape)
         return cls(name=name, mass=mass, inertia=inertia, **fields)
 
     @classmethod
-    def ball(cls, name: str, radius: float, mass: float = 1.0, *, touches: bool = True, **fields: Any) -> Self:
-        """A solid ball [m, kg] that touches, or is only seen. Args: fields: the others of a body."""
-        inertia, shape = sphere_inertia(mass, radius), Sphere(radius=radius)
-        fields["collision" if touches else "visual"] = (PlacedShape(shape=shape),)
-        return cls(name=name, mass=mass, inertia=inertia, **fields)
+    def box(cls, name: str, half_extents: Vector3, mass: float = 1.0, **fields: Any) -> Self:
+        """A solid box [m, kg]. Args: fields: as of `solid`."""
+        return cls.solid(name, Box(half_extents=half_extents), mass, **fields)
+
+    @classmethod
+    def ball(cls, name: str, radius: float, mass: float = 1.0, **fields: Any) -> Self:
+        """A solid ball [m, kg]. Args: fields: as of `solid`."""
+        return cls.solid(name, Sphere(radius=radius), mass, **fields)
 
     @classmethod
     def fixed(cls, name: str, shape: Shape, **fields: Any) -> Self:
@@ -109,6 +115,11 @@ class Body:
     def ground(cls, material: str = "ground") -> Self:
         """Level ground, solid below z = 0."""
         return cls.fixed("ground", Plane(), material=material)
+
+    @property
+    def only_shape(self) -> Shape | None:
+        """The shape of a body of one that touches; None of one without any, or with several."""
+        return self.collision[0].shape if len(self.collision) == 1 else None
 
     @property
     def mass_point(self) -> bool:

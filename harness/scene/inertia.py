@@ -3,6 +3,7 @@
 Source: Goldstein, Classical Mechanics, 3rd ed., section 5.3 and exercises.
 """
 
+from plumbline.harness.scene.shape import Box, Capsule, Cylinder, Ellipsoid, Shape, Sphere
 from plumbline.harness.scene.values import Matrix3, Vector3
 
 
@@ -49,3 +50,20 @@ def capsule_inertia(mass: float, radius: float, half_length: float) -> Matrix3:
         2 / 5 * radius**2 + half_length**2 + 3 / 4 * half_length * radius
     )
     return principal_inertia(across, across, along)
+
+
+def solid_inertia(mass: float, shape: Shape) -> Matrix3:
+    """A solid of one of the five round or square shapes. Raises: TypeError for another, which has no such formula."""
+    match shape:
+        case Sphere(radius=radius):
+            return sphere_inertia(mass, radius)
+        case Box(half_extents=half_extents):
+            return box_inertia(mass, half_extents)
+        case Ellipsoid(semi_axes=semi_axes):
+            return ellipsoid_inertia(mass, semi_axes)
+        case Cylinder(radius=radius, half_length=half_length):
+            return cylinder_inertia(mass, radius, half_length)
+        case Capsule(radius=radius, half_length=half_length):
+            return capsule_inertia(mass, radius, half_length)
+        case _:
+            raise TypeError(f"a {shape.type.replace('_', ' ')} has no inertia of its own, expected it beside the shape")

@@ -41,7 +41,7 @@ def joint_states(scene: Scene, state: State, near: Floats | None = None) -> Join
     Args: near (j,): coordinates [rad] of which angles take the branch nearest to; None: that of half a turn about the start.
     """
     states = JointStates.unknown(scene)
-    moment = Trajectory(np.zeros(1), state.p_WB[None], state.q_WB[None], state.v_WB[None], state.w_WB[None])
+    moment = Trajectory.at(state)
     for k, joint in enumerate(scene.joints):
         if isinstance(joint, Fixed | Ball):
             continue

@@ -47,6 +47,13 @@ def rotate_back(q_WB: Floats, vector_W: Floats) -> Floats:
     return rotate(conjugate(q_WB), vector_W)
 
 
+def about(axis: int, angle: Floats) -> Floats:
+    """The rotation by angles [rad] (...) about a coordinate axis, 0, 1 or 2, (..., 4)."""
+    q = np.zeros((*np.shape(angle), 4))
+    q[..., 0], q[..., 1 + axis] = np.cos(angle / 2), np.sin(angle / 2)
+    return q
+
+
 def angle_between(a: Floats, b: Floats) -> Floats:
     """The angle [rad], 0..pi, of the rotation from a to b, (...); NaN where either is no rotation at all."""
     a, b = np.asarray(a, dtype=np.float64), np.asarray(b, dtype=np.float64)
@@ -60,6 +67,17 @@ def angle_between(a: Floats, b: Floats) -> Floats:
 def movable(scene: Scene) -> Integers:
     """The places of the bodies that a force moves, (m,)."""
     return np.array([i for i, body in enumerate(scene.bodies) if body.movable], dtype=np.int64)
+
+
+def kinetic_energy(scene: Scene, trajectory: Trajectory) -> Floats:
+    """Of all movable bodies at each time, (t,) J."""
+    energy = np.zeros(len(trajectory))
+    for place in movable(scene):
+        body = scene.bodies[place]
+        w_B = rotate_back(trajectory.q_WB[:, place], trajectory.w_WB[:, place])
+        energy += 0.5 * body.mass * np.sum(np.square(trajectory.v_WB[:, place]), axis=-1)
+        energy += 0.5 * np.sum(w_B * (w_B @ np.array(body.inertia)), axis=-1)
+    return energy
 
 
 def _fixed_point(scene: Scene, name: str, point_W: Floats, trajectory: Trajectory) -> Floats:

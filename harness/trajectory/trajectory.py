@@ -171,6 +171,18 @@ class Trajectory:
         q_WB[:, :, 0] = 1.0
         return cls(np.asarray(time, dtype=np.float64), np.zeros((t, n, 3)), q_WB, np.zeros((t, n, 3)), np.zeros((t, n, 3)))
 
+    @classmethod
+    def at_rest(cls, scene: Scene, time: Floats) -> Self:
+        """The bodies of a scene in their places at each time [s], with no speed."""
+        rest = cls.of(time, len(scene.bodies))
+        rest.p_WB[:], rest.q_WB[:] = [body.p_WB for body in scene.bodies], [body.q_WB for body in scene.bodies]
+        return rest
+
+    @classmethod
+    def at(cls, state: State) -> Self:
+        """One sample, at time 0."""
+        return cls(np.zeros(1), state.p_WB[None], state.q_WB[None], state.v_WB[None], state.w_WB[None])
+
     def __len__(self) -> int:
         return len(self.time)
 

@@ -39,11 +39,14 @@ def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     info = folder / "recipes-1.0.dist-info"
     info.mkdir()
     (info / "METADATA").write_text("Metadata-Version: 2.1\nName: recipes\nVersion: 1.0\n")
+    package = folder / "recipes"
+    package.mkdir()
+    (package / "__init__.py").touch()
     lines = []
     for path, text in recipes().items():
         group, name, constant = GROUPS[path]
-        (folder / f"recipe_{name}.py").write_text(text)
-        lines += [] if not group else [f"[plumbline.{group}]\n{name} = recipe_{name}:{constant}\n"]
+        (package / f"{name}.py").write_text(text)
+        lines += [] if not group else [f"[plumbline.{group}]\n{name} = recipes.{name}:{constant}\n"]
     (info / "entry_points.txt").write_text("".join(lines))
     return folder
 
@@ -73,7 +76,7 @@ def test_all_five_recipes_are_printed() -> None:
 LISTED = """
 import json
 from plumbline.harness.study import plugins
-from recipe_way import way
+from recipes.way import way
 found = {kind: plugins.names(kind) for kind in ("adapters", "cases")}
 print(json.dumps(found | {"unit": way.unit}))
 """

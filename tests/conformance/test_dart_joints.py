@@ -123,7 +123,7 @@ def test_a_top_stays_on_its_way_on_a_constraint_and_is_lost_on_a_reduced_coordin
 def test_which_joints_are_constraints_is_told_as_it_turned_out() -> None:
     top, pendulum = (
         spin_heavy_top.CASE.scene(spin_heavy_top.CASE.parameters),
-        joint_conical_pendulum._scene(joint_conical_pendulum.P()),
+        joint_conical_pendulum.scene(joint_conical_pendulum.P()),
     )
     other = Revolute(name="hinge", parent=WORLD, child="wheel", anchor_W=(0.0, 9.0, 0.0), axis_W=(1.0, 0.0, 0.0))
     mixed = Scene(bodies=(*top.bodies, free_body("wheel", (0.0, 9.0, 0.0))), joints=(*top.joints, other))

@@ -18,7 +18,7 @@ from plumbline.harness.case.own_titles import called
 from plumbline.harness.cli.minimal_scene import write_minimal
 from plumbline.harness.findings.effects_audit import NOT_JUDGED, audit, idle, savings
 from plumbline.harness.findings.tables.effects import TABLE, Verdict, sentences, verdicts
-from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.metrics.errors import divergence
 from plumbline.harness.run.campaign import carry_out
 from plumbline.harness.run.verify import problems
 from plumbline.harness.scene import Body, Box, Effect, PlacedShape, Plane, Scene, Sphere, Surface, box_inertia, sphere_inertia

@@ -12,7 +12,7 @@ from plumbline.harness.adapter import Adapter, Diverged, Feature, Notice, Settin
 from plumbline.harness.case import Axis, Case, Check, Parameters
 from plumbline.harness.case.starts import TOLERANCE, member
 from plumbline.harness.metric import Metric, NotMeasurable
-from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.metrics.errors import divergence
 from plumbline.harness.scene import Body, Effect, PlacedShape, Scene, Sphere
 from plumbline.harness.search.along_axis import Point, extreme_untried, unchanged
 from plumbline.harness.search.first_break import Ruler, bracket, next_trials, next_value, value_of

@@ -123,5 +123,5 @@ def test_where_no_exact_depth_is_known_the_engine_s_own_points_count(gap: float,
 
 
 def test_no_samples_are_not_measurable() -> None:
-    with pytest.raises(NotMeasurable, match="samples"):
+    with pytest.raises(NotMeasurable, match="sample"):
         collapse_time(STAGE, stand().between(5.0, 6.0))

@@ -6,9 +6,14 @@ import numpy as np
 import pytest
 
 from plumbline.harness.metric import NotMeasurable
-from plumbline.harness.metrics.energy import energy_drift_final, energy_drift_max, energy_drift_staggered_max
+from plumbline.harness.metrics.conservation import (
+    angular_momentum_drift_max,
+    energy_drift_final,
+    energy_drift_max,
+    energy_drift_staggered_max,
+    momentum_drift_max,
+)
 from plumbline.harness.metrics.joints import joint_gap_final, joint_gap_max
-from plumbline.harness.metrics.momentum import angular_momentum_drift_max, momentum_drift_max
 from plumbline.harness.metrics.orbit import period_error, phase_error
 from plumbline.harness.scene import (
     WORLD,

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from plumbline.harness.metric import Metric, NotMeasurable
-from plumbline.harness.metrics.contact_residuals import cone_residual, dissipation_residual, signorini_residual
+from plumbline.harness.metrics.contacts import cone_residual, dissipation_residual, signorini_residual
 from plumbline.harness.scene import Body, Box, Effect, PlacedShape, Plane, Scene, Surface
 from plumbline.harness.trajectory import Contacts, Trajectory
 
@@ -142,7 +142,7 @@ def test_what_is_not_finite_is_never_swallowed(metric: Metric, bad: float) -> No
 def test_missing_contacts_samples_and_weight_are_not_measurable(metric: Metric) -> None:
     with pytest.raises(NotMeasurable, match="contacts"):
         metric(STAGE, replace(slide(), contacts=None))
-    with pytest.raises(NotMeasurable, match="samples"):
+    with pytest.raises(NotMeasurable, match="sample"):
         metric(STAGE, slide().between(5.0, 6.0))
     with pytest.raises(NotMeasurable, match="weight"):
         metric(replace(STAGE, gravity=(0.0, 0.0, 0.0)), slide())

@@ -8,17 +8,21 @@ import numpy as np
 import pytest
 
 from plumbline.harness.metric import NotMeasurable
-from plumbline.harness.metrics.depth_noise import (
+from plumbline.harness.metrics.cameras import (
     BANDS,
     depth_correlation_score,
+    depth_error_max,
+    depth_error_median,
+    depth_error_rms,
     depth_lost_but_answered_share,
     depth_mean_score,
     depth_missing_score,
     depth_spread_score,
     disparity_step_error,
+    pixel_error,
     range_unwrapped_share,
+    silhouette_iou,
 )
-from plumbline.harness.metrics.pictures import depth_error_max, depth_error_median, depth_error_rms, pixel_error, silhouette_iou
 from plumbline.harness.scene import (
     Body,
     Box,
@@ -311,7 +315,7 @@ def test_missing_cameras_streams_truths_and_laws_are_not_measurable() -> None:
     ):
         with pytest.raises(NotMeasurable):
             metric(blind, truth, truth)
-    with pytest.raises(NotMeasurable, match="the truth has no stream 'd/depth_ideal'"):
+    with pytest.raises(NotMeasurable, match="the truth has no stream 'd/body'"):
         depth_error_median(_scene(), truth)
     with pytest.raises(NotMeasurable, match="was not recorded"):
         silhouette_iou(_scene(), _of({}), truth)

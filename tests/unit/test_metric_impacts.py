@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from plumbline.harness.metric import Metric, NotMeasurable
-from plumbline.harness.metrics.energy import energy_gain_max, energy_growth_rate
+from plumbline.harness.metrics.conservation import energy_gain_max, energy_growth_rate
+from plumbline.harness.metrics.impacts import last_share_error, touching_last_share
 from plumbline.harness.metrics.overlaps import escaped_share, inscribed_overlap
 from plumbline.harness.metrics.passage import (
     lateral_kick,
@@ -16,7 +17,6 @@ from plumbline.harness.metrics.passage import (
     rest_speed,
     sink_depth,
 )
-from plumbline.harness.metrics.row import last_share_error, touching_last_share
 from plumbline.harness.scene import Body, Box, Capsule, PlacedShape, Plane, Scene, Sphere, Surface, axis_angle
 from plumbline.harness.statistics.proportion import wilson_interval
 from plumbline.harness.trajectory import Trajectory

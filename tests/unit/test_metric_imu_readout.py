@@ -8,7 +8,7 @@ import pytest
 from plumbline.cases import sensor_imu_readout
 from plumbline.cases.sensor_imu_readout import ACCELEROMETER, GYROSCOPE, MOUNTING, RATE, SPIN_UP, G
 from plumbline.harness.metric import NotMeasurable
-from plumbline.harness.metrics.inertial_readings import inertial_readout_error
+from plumbline.harness.metrics.readings import inertial_readout_error
 from plumbline.harness.scene import AxisNoise
 from plumbline.harness.sensors.imu_errors import read_out, sensed
 from plumbline.harness.trajectory import Floats, Trajectory

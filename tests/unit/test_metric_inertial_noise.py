@@ -7,16 +7,18 @@ import numpy as np
 import pytest
 
 from plumbline.harness.metric import NotMeasurable
-from plumbline.harness.metrics.allan import (
+from plumbline.harness.metrics.inertial_noise import (
     SLOPES,
     accelerometer_allan_score,
     gyroscope_allan_score,
+    inertial_bias_score,
+    inertial_correlation_score,
     octaves,
     slope_bound,
+    variance_of_mean,
     windows,
 )
-from plumbline.harness.metrics.inertial_noise import inertial_bias_score, inertial_correlation_score, variance_of_mean
-from plumbline.harness.metrics.inertial_readings import accelerometer_ideal_error, gyroscope_ideal_error
+from plumbline.harness.metrics.readings import accelerometer_ideal_error, gyroscope_ideal_error
 from plumbline.harness.scene import AxisNoise, Body, Imu, ImuNoise, Scene
 from plumbline.harness.sensors.imu_noise import axis_noise, three_axes
 from plumbline.harness.trajectory import Floats, Trajectory

@@ -6,7 +6,7 @@ import pytest
 from plumbline.cases import flight_projectile, joint_conical_pendulum, joint_limits, joint_long_run, joint_pendulum
 from plumbline.harness.case import Case
 from plumbline.harness.metric import NotMeasurable
-from plumbline.harness.metrics.energy import energy_growth_rate
+from plumbline.harness.metrics.conservation import energy_growth_rate
 from plumbline.harness.metrics.errors import radius_error_final, radius_error_max
 from plumbline.harness.metrics.joints import limit_overshoot_final, limit_overshoot_max
 from plumbline.harness.trajectory import Floats, Trajectory

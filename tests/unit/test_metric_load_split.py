@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from plumbline.harness.metric import NotMeasurable
+from plumbline.harness.metric import NotMeasurable, Run
 from plumbline.harness.metrics.contacts import load_shares, load_split_error
 from plumbline.harness.scene import Body, Scene
 from plumbline.harness.trajectory import Contacts, Trajectory
@@ -37,7 +37,7 @@ def run(left: float, right: float, *, ground: float = 0.0) -> Trajectory:
 
 
 def test_half_each_has_no_error() -> None:
-    assert load_shares(STAGE, run(0.5, 0.5)) == pytest.approx([0.5, 0.5])
+    assert load_shares(Run(STAGE, run(0.5, 0.5))) == pytest.approx([0.5, 0.5])
     assert load_split_error(STAGE, run(0.5, 0.5)) == pytest.approx(0.0, abs=1e-15)
 
 
@@ -52,7 +52,7 @@ def test_a_load_that_lies_on_the_ground_is_borne_by_no_support() -> None:
 
 def test_of_equally_heavy_bodies_the_highest_is_the_load() -> None:
     bodies = [replace(b, mass=40.0, p_WB=(0.0, 0.0, 1.0 if b.name == "load" else 0.0)) for b in STAGE.bodies]
-    assert load_shares(Scene(bodies=tuple(bodies)), run(0.5, 0.5)) == pytest.approx([0.5, 0.5])
+    assert load_shares(Run(Scene(bodies=tuple(bodies)), run(0.5, 0.5))) == pytest.approx([0.5, 0.5])
 
 
 @pytest.mark.parametrize("bad", [math.nan, math.inf])

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from plumbline.harness.metric import NotMeasurable
-from plumbline.harness.metrics.contact_residuals import momentum_residual
+from plumbline.harness.metrics.contacts import momentum_residual
 from plumbline.harness.scene import WORLD, Ball, Body, Scene
 from plumbline.harness.trajectory import Contacts, Floats, Trajectory
 

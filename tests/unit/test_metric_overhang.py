@@ -62,5 +62,5 @@ def test_what_is_not_finite_is_never_swallowed(bad: float) -> None:
 def test_a_scene_without_bricks_and_a_run_without_samples_are_not_measurable() -> None:
     with pytest.raises(NotMeasurable, match="bricks"):
         overhang_limit_error(Scene(bodies=stage().bodies[:1]), Trajectory.of(np.arange(2.0), 1))
-    with pytest.raises(NotMeasurable, match="samples"):
+    with pytest.raises(NotMeasurable, match="sample"):
         overhang_limit_error(stage(), run(set()).between(5.0, 6.0))

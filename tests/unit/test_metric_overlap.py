@@ -62,5 +62,5 @@ def test_what_is_not_finite_is_never_swallowed() -> None:
 def test_boxes_and_empty_windows_are_not_measurable() -> None:
     with pytest.raises(NotMeasurable, match="no single ball"):
         overlap(stack_tower.scene(stack_tower.P()), Trajectory.of(np.zeros(1), 11))
-    with pytest.raises(NotMeasurable, match="samples"):
+    with pytest.raises(NotMeasurable, match="sample"):
         overlap(scene(P(n=20)), replace(rest()).between(9.0, 10.0))

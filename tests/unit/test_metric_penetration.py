@@ -98,7 +98,7 @@ def test_what_is_not_finite_is_never_swallowed(bad: float) -> None:
 
 
 def test_what_cannot_be_known_is_not_measurable() -> None:
-    with pytest.raises(NotMeasurable, match="no samples"):
+    with pytest.raises(NotMeasurable, match="no sample"):
         penetration(STAGE, stand(count=0))
     with pytest.raises(NotMeasurable, match="no two bodies"):
         penetration(Scene(bodies=(GROUND,)), stand(Scene(bodies=(GROUND,))))
@@ -120,5 +120,5 @@ def test_the_deepest_point_that_is_reported_counts() -> None:
 def test_missing_contacts_are_not_measurable() -> None:
     with pytest.raises(NotMeasurable, match="no contacts"):
         reported_penetration(STAGE, stand())
-    with pytest.raises(NotMeasurable, match="no samples"):
+    with pytest.raises(NotMeasurable, match="no sample"):
         reported_penetration(STAGE, told())

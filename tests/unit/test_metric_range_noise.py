@@ -6,17 +6,15 @@ import numpy as np
 import pytest
 
 from plumbline.harness.metric import NotMeasurable
-from plumbline.harness.metrics.range_error import (
+from plumbline.harness.metrics.ranges import (
+    dropout_score,
     intensity_error_max,
+    range_correlation_score,
+    range_distribution_distance,
     range_error_max,
     range_error_median,
     range_error_rms,
     range_false_return_share,
-)
-from plumbline.harness.metrics.range_noise import (
-    dropout_score,
-    range_correlation_score,
-    range_distribution_distance,
     range_mean_score,
     range_spread_score,
 )

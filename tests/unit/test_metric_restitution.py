@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from plumbline.harness.metric import NotMeasurable
-from plumbline.harness.metrics.restitution import (
+from plumbline.harness.metrics.impacts import (
     bounce_gain,
     bounce_height_error,
     bouncing_time_error,

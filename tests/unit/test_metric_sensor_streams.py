@@ -10,9 +10,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from plumbline.cases import sensor_streams
-from plumbline.harness.metric import NotMeasurable
+from plumbline.harness.metric import NotMeasurable, Run
 from plumbline.harness.metric.inertial_residual import inertial_residual
-from plumbline.harness.metrics.gyroscope_attitude import gyroscope_attitude_error
 from plumbline.harness.metrics.inertial_noise import (
     difference_spectrum,
     inertial_correlation_score,
@@ -20,7 +19,13 @@ from plumbline.harness.metrics.inertial_noise import (
     inertial_histogram_score,
     inertial_spectrum_score,
 )
-from plumbline.harness.metrics.inertial_readings import accelerometer_lag_error, delay, gyroscope_lag_error, time_stamp_error
+from plumbline.harness.metrics.readings import (
+    accelerometer_lag_error,
+    delay,
+    gyroscope_attitude_error,
+    gyroscope_lag_error,
+    time_stamp_error,
+)
 from plumbline.harness.scene import AxisNoise, Body, Imu, ImuNoise, Lidar, Scene, axis_angle
 from plumbline.harness.sensors.imu_errors import read_out, sensed
 from plumbline.harness.sensors.imu_noise import three_axes
@@ -73,7 +78,7 @@ def _answer(streams: dict[str, Floats], end: float = COUNT / RATE) -> Trajectory
 
 
 def test_what_axes_out_of_line_and_scale_do_to_the_signal_is_no_noise() -> None:
-    rest = inertial_residual(_scene().sensors[0], "gyroscope", _answer(_streams(LAW)))  # type: ignore[arg-type]
+    rest = inertial_residual(_scene().sensors[0], "gyroscope", Run(_scene(), _answer(_streams(LAW))))  # type: ignore[arg-type]
     noise = three_axes(LAW, COUNT, 1 / RATE, 1, "imu", "gyroscope")
     np.testing.assert_allclose(rest, noise, atol=1e-13)
 

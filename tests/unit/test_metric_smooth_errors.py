@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from plumbline.harness.metric import Metric, NotMeasurable
-from plumbline.harness.metrics import divergence, errors
+from plumbline.harness.metrics import errors
 from plumbline.harness.scene import Body, Scene
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.trajectory.kinematics import product
@@ -78,7 +78,7 @@ def test_one_bad_number_makes_every_reduction_non_finite(array: str, bad: float)
     with np.errstate(invalid="ignore"):
         found = [metric(SCENE, _with(array, value), _motion()) for metric in METRICS[array]]
     assert not np.isfinite(found).any()
-    assert divergence.divergence(SCENE, _with(array, value)) == np.inf
+    assert errors.divergence(SCENE, _with(array, value)) == np.inf
 
 
 def test_a_zero_quaternion_is_no_attitude() -> None:
@@ -88,7 +88,7 @@ def test_a_zero_quaternion_is_no_attitude() -> None:
 
 
 def test_finite_states_do_not_diverge() -> None:
-    assert divergence.divergence(SCENE, _motion()) == 0.0
+    assert errors.divergence(SCENE, _motion()) == 0.0
 
 
 @pytest.mark.parametrize("metric", ALL, ids=lambda m: m.name)
@@ -101,7 +101,7 @@ def test_without_a_truth_at_the_same_times_nothing_is_measured(metric: Metric) -
         metric(SCENE, _motion(), _motion().between(0.0, 0.5))
 
 
-@pytest.mark.parametrize("metric", [*ALL, divergence.divergence], ids=lambda m: m.name)
+@pytest.mark.parametrize("metric", [*ALL, errors.divergence], ids=lambda m: m.name)
 def test_an_empty_window_is_not_measurable(metric: Metric) -> None:
     nothing = _motion().between(5.0, 6.0)
     with pytest.raises(NotMeasurable, match="no sample"):

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from plumbline.harness.metric import Metric, NotMeasurable
-from plumbline.harness.metrics.energy import held_energy_gain_max
+from plumbline.harness.metrics.conservation import held_energy_gain_max
+from plumbline.harness.metrics.jitter import vibration_frequency, vibration_rms
 from plumbline.harness.metrics.joints import pose_error_max, pose_error_rms
 from plumbline.harness.metrics.slide import foot_slip
-from plumbline.harness.metrics.vibration import vibration_frequency, vibration_rms
 from plumbline.harness.scene import Body, Drive, Revolute, Scene
 from plumbline.harness.trajectory import Contacts, Floats, Trajectory
 

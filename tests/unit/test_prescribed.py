@@ -15,8 +15,7 @@ from plumbline.harness.case.forces import Control, Controlled
 from plumbline.harness.case.symmetries import in_motion, moved, scaled, turned
 from plumbline.harness.conformance.runs import built
 from plumbline.harness.metric import NotMeasurable
-from plumbline.harness.metrics.energy import energy_change
-from plumbline.harness.metrics.momentum import momentum_drift_max
+from plumbline.harness.metrics.conservation import energy_change, momentum_drift_max
 from plumbline.harness.scene import (
     Body,
     Box,

@@ -9,7 +9,7 @@ import pytest
 from plumbline.harness.case.scene_file import own_case
 from plumbline.harness.intake.refusal import RobotError
 from plumbline.harness.metric import NotMeasurable
-from plumbline.harness.metrics.own_readings import gyroscope_off_motion, range_off_geometry
+from plumbline.harness.metrics.readings import gyroscope_off_motion, range_off_geometry
 from plumbline.harness.scene import (
     Body,
     Box,

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from plumbline.harness.metrics.allan import expected_variance, overlapping_variance
+from plumbline.harness.metrics.inertial_noise import expected_variance, overlapping_variance
 from plumbline.harness.scene import AxisNoise, LidarNoise
 from plumbline.harness.sensors.imu_noise import MARKOV_PEAK, axis_noise, three_axes
 from plumbline.harness.sensors.lidar_noise import noisy

@@ -69,7 +69,7 @@ def test_a_case_rests_on_what_it_imports_and_on_nothing_else() -> None:
     modules = sources.closure(["plumbline.cases.impact_bounce"])
     assert {
         "plumbline.cases.impact_bounce",
-        "plumbline.harness.metrics.restitution",
+        "plumbline.harness.metrics.impacts",
         "plumbline.harness.case.bounds",
         "plumbline.harness.scene.scene",
     } <= modules
@@ -106,7 +106,7 @@ def test_what_finds_and_keeps_is_not_among_what_answers() -> None:
     ("file", "part"),
     [
         ("cases/impact_bounce.py", "case"),
-        ("harness/metrics/restitution.py", "case"),
+        ("harness/metrics/impacts.py", "case"),
         ("adapters/mujoco/flags.py", "adapter"),
         ("harness/trial/simulate.py", "harness"),
     ],

@@ -21,7 +21,7 @@ from plumbline.cases.sensor_depth_spheres import BALLS, LONGEST
 from plumbline.cases.sensor_depth_spheres import CASE as SPHERES
 from plumbline.harness.case import Case
 from plumbline.harness.metric import NotMeasurable
-from plumbline.harness.metrics.pictures import colour_error_max, colour_error_median
+from plumbline.harness.metrics.cameras import colour_error_max, colour_error_median
 from plumbline.harness.scene import DepthCamera
 from plumbline.harness.sensors.depth_camera import lost
 from plumbline.harness.sensors.pinhole import intrinsics, pixel_centres

@@ -11,9 +11,9 @@ from plumbline.cases import friction_painleve as painleve
 from plumbline.cases import joint_double_pendulum_chaotic as chaos
 from plumbline.harness.case import Case, Converged
 from plumbline.harness.metric import NotMeasurable
+from plumbline.harness.metrics.chaos import ensemble_energy_error, ensemble_spread, kinetic_energies
 from plumbline.harness.metrics.contacts import impulse_max
-from plumbline.harness.metrics.ensemble import ensemble_energy_error, ensemble_spread, kinetic_energies
-from plumbline.harness.metrics.painleve import painleve_coefficient
+from plumbline.harness.metrics.slide import painleve_coefficient
 from plumbline.harness.trajectory import Contacts, Floats, Trajectory
 
 

@@ -71,8 +71,8 @@ def slide(dt: float, law: str) -> Trajectory:
 
 
 def verdicts(run: Trajectory) -> dict[str, bool]:
-    # Made by hand, a run has no contact forces: the laws of these have tests of their own.
-    judged = [c for c in CASE.checks if not c.metric.name.endswith("_residual")]
+    # The first, that every state is finite, is every case's. Made by hand, a run has no contact forces.
+    judged = [c for c in CASE.checks[1:] if not c.metric.name.endswith("_residual")]
     return {c.metric.name: c.passes(c.metric(scene(P()), run, expected(run.time, P())), run.dt, P()) for c in judged}
 
 

@@ -6,7 +6,7 @@ from scipy.integrate import solve_ivp
 
 from plumbline.cases.joint_double_pendulum import CASE
 from plumbline.harness.case import Converged
-from plumbline.harness.metrics.energy import energy_drift_max
+from plumbline.harness.metrics.conservation import energy_drift_max
 from plumbline.harness.metrics.joints import joint_gap_max
 from plumbline.harness.trajectory import Floats
 from plumbline.harness.truths.double_pendulum import INERTIA, LENGTH, MASS, D

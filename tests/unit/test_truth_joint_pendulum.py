@@ -43,7 +43,7 @@ def test_the_closed_form_solves_the_equation_of_a_physical_pendulum(
 
 def period(degrees: float) -> float:
     """4 K(sin(theta0/2))/w0 [s]."""
-    return float(4.0 * ellipk(np.sin(np.radians(degrees) / 2) ** 2) / _small_rate("rod", 1.0, 1.0)[0])
+    return float(4.0 * ellipk(np.sin(np.radians(degrees) / 2) ** 2) / _small_rate(CASE.parameters)[0])
 
 
 @pytest.mark.parametrize(("degrees", "ratio"), [(10, 1.00191), (90, 1.18034), (179, 3.90107)])

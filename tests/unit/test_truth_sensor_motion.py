@@ -20,7 +20,7 @@ from plumbline.cases import (
 )
 from plumbline.cases.sensor_imu_turntable import DURATION, LEVER, MOUNTING, RATE, SPIN_UP, G
 from plumbline.harness.case import Case
-from plumbline.harness.metrics.inertial_readings import (
+from plumbline.harness.metrics.readings import (
     accelerometer_ideal_error,
     accelerometer_lag_error,
     gyroscope_ideal_error,

@@ -13,9 +13,9 @@ from plumbline.adapters.reference import ADAPTER
 from plumbline.cases import stack_bowl
 from plumbline.cases.stack_bowl import CASE, FLOOR, LEAN, POST, RINGS, SETTLED, THICK, TOP, P, scene
 from plumbline.harness.metric import NotMeasurable
+from plumbline.harness.metrics.conservation import energy_rise_max
 from plumbline.harness.metrics.contacts import penetration
-from plumbline.harness.metrics.energy import energy_rise_max
-from plumbline.harness.metrics.threading import unthreaded
+from plumbline.harness.metrics.overlaps import unthreaded
 from plumbline.harness.scene import EARTH_GRAVITY, Box, TriangleMesh
 from plumbline.harness.trajectory import Contacts, Floats, Trajectory
 from plumbline.harness.trajectory.kinematics import rotate_back

@@ -75,7 +75,8 @@ def end(firm: bool, loose: bool) -> Trajectory:
 
 
 def verdicts(run: Trajectory) -> dict[str, bool]:
-    return {c.metric.name: c.passes(c.metric(scene(P()), run), run.dt, CASE.parameters) for c in CASE.checks}
+    # The first check, that every state is finite, is every case's.
+    return {c.metric.name: c.passes(c.metric(scene(P()), run), run.dt, CASE.parameters) for c in CASE.checks[1:]}
 
 
 def test_the_loose_house_has_to_fall_and_the_firm_one_to_stand() -> None:

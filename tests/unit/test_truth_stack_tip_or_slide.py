@@ -66,7 +66,8 @@ def engine(rough: float = 0.8, slippery: float = 0.3, tips_at: float = 0.5) -> T
 
 
 def verdicts(run: Trajectory) -> dict[str, bool]:
-    return {c.metric.name: c.passes(c.metric(scene(P()), run), run.dt, CASE.parameters) for c in CASE.checks}
+    # The first check, that every state is finite, is every case's.
+    return {c.metric.name: c.passes(c.metric(scene(P()), run), run.dt, CASE.parameters) for c in CASE.checks[1:]}
 
 
 def test_an_engine_that_does_as_statics_says_passes() -> None:

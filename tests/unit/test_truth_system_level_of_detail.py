@@ -20,7 +20,7 @@ from plumbline.cases.system_level_of_detail import (
     polyhedron,
     scene,
 )
-from plumbline.harness.metrics.cam_follower import cam_follower_gap
+from plumbline.harness.metrics.overlaps import cam_follower_gap
 from plumbline.harness.scene import EARTH_GRAVITY, ConvexHull
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.trajectory.kinematics import rotate

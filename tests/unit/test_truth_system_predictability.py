@@ -8,7 +8,7 @@ from scipy.integrate import solve_ivp
 
 from plumbline.cases.system_predictability import BUMP, CASE, EXPONENT, JUDGED, RADIUS, REACH, P, expected, scene, tilts
 from plumbline.harness.metric import NotMeasurable
-from plumbline.harness.metrics.balance import (
+from plumbline.harness.metrics.chaos import (
     exit_time_error_rms,
     growth_exponent_error,
     lost_start_share,

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from plumbline.harness.case import ByParameters, Case, Check, Parameters, Positive
 from plumbline.harness.case.own_truth import broken_checks, refused
 from plumbline.harness.cli.main import main
-from plumbline.harness.metrics.divergence import divergence
+from plumbline.harness.metrics.errors import divergence
 from plumbline.harness.metrics.jitter import rms_speed
 from plumbline.harness.scene import Body, Scene
 from plumbline.harness.study import plugins

@@ -3,7 +3,7 @@
 Where the law also turns or stretches the signal, so is the ideal signal before it is taken off: a triad turned by a rotation
 reads the inverse rotation of a vector, and the scale error stretches what it reads.
 
-Source: IEEE Std 952-1997, annex C; see `harness.metrics.allan` and `harness.metrics.inertial_noise`.
+Source: IEEE Std 952-1997, annex C; see `harness.metrics.inertial_noise` and `harness.metrics.inertial_noise`.
 """
 
 from dataclasses import dataclass
@@ -13,8 +13,7 @@ import numpy as np
 
 from plumbline.harness.findings.sensor_readings.channel import Channel
 from plumbline.harness.findings.sensor_readings.noise import Noise, spread_interval
-from plumbline.harness.metrics.allan import expected_variance, octaves, overlapping_variance, windows
-from plumbline.harness.metrics.inertial_noise import variance_of_mean
+from plumbline.harness.metrics.inertial_noise import expected_variance, octaves, overlapping_variance, variance_of_mean, windows
 from plumbline.harness.scene import AxisNoise, Imu
 from plumbline.harness.statistics.proportion import Z_95
 from plumbline.harness.trajectory import Floats

@@ -14,7 +14,7 @@ import numpy as np
 from plumbline.harness.findings.columns import Column, Row, Table, side
 from plumbline.harness.findings.steps_taken import columns_with_substeps, with_substeps
 from plumbline.harness.metric import NotMeasurable
-from plumbline.harness.metrics.energy import energy_change
+from plumbline.harness.metrics.conservation import energy_change
 from plumbline.harness.scene.file import parse
 from plumbline.harness.statistics.order import fit_slope
 from plumbline.harness.store.journal import NotKept

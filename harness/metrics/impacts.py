@@ -1,17 +1,22 @@
-"""Bouncing of balls on a level plane, read off the parabolas between impacts.
+"""Impacts of balls: how they bounce on a level plane, and what goes through a row of them.
 
-Positions alone are read: between impacts every engine's heights lie on a parabola of curvature -g, also where a
-semi-implicit scheme keeps velocities half a step aside, so apexes and landings are found between samples and free of
-that artefact. A hop of fewer than three samples is not seen; it counts as no bounce.
+Bounces are read off the parabolas between impacts. Positions alone are read: between impacts every engine's heights lie on a
+parabola of curvature -g, also where a semi-implicit scheme keeps velocities half a step aside, so apexes and landings are found
+between samples and free of that artefact. A hop of fewer than three samples is not seen; it counts as no bounce.
+
+A row is all movable balls of one material, on one line; the first is the one that moves at the start. In a row with gaps each
+elastic blow hands everything on, so that the last ball carries all; in a row that touches that is one of many outcomes that
+keep momentum and energy.
 """
 
 import math
+from collections.abc import Iterator
 from itertools import pairwise
 
 import numpy as np
 
 from plumbline.harness.metric import NotMeasurable, Run, metric
-from plumbline.harness.scene import Plane, Scene, Sphere
+from plumbline.harness.scene import Plane, Scene, Sphere, outer_radius
 from plumbline.harness.trajectory import Floats, Trajectory
 
 SOURCE = "Stronge, Impact Mechanics, 2nd ed. (kinematic coefficient); apexes h' = e^2 h"
@@ -34,10 +39,9 @@ def _balls(scene: Scene) -> list[tuple[int, float, float]]:
     planes = [b for b in scene.bodies if not b.movable and any(isinstance(s.shape, Plane) for s in b.collision)]
     balls = []
     for place, body in enumerate(scene.bodies):
-        shapes = [placed.shape for placed in body.collision]
-        if body.movable and planes and len(shapes) == 1 and isinstance(shapes[0], Sphere):
+        if body.movable and planes and isinstance(body.only_shape, Sphere):
             restitution = scene.surface(body, planes[0]).restitution
-            balls.append((place, planes[0].p_WB[2] + shapes[0].radius, restitution))
+            balls.append((place, planes[0].p_WB[2] + body.only_shape.radius, restitution))
     if not balls or scene.gravity[2] >= 0:
         raise NotMeasurable("no ball falls on a plane")
     return balls
@@ -67,6 +71,12 @@ def _all_flights(scene: Scene, run: Trajectory) -> list[tuple[float, list[Flight
     return [(e, _flights(run.time, run.p_WB[:, i, 2] - at, -scene.gravity[2])) for i, at, e in _balls(scene)]
 
 
+def _beside_truth(run: Run) -> Iterator[tuple[float, list[Flight], list[Flight]]]:
+    """Of each ball the restitution, its flights and the truth's."""
+    for (e, flights), (_, due) in zip(_all_flights(run.scene, run.actual), _all_flights(run.scene, run.truth), strict=True):
+        yield e, flights, due
+
+
 def _bounces(flights: list[Flight], count: int) -> list[float]:
     """Effective restitutions of the first `count` impacts; 0 where no flight follows, NaN where the ball never fell."""
     if not flights:
@@ -91,16 +101,10 @@ def restitution_error(run: Run) -> list[float]:
 @metric("1", SOURCE, even=True, empty="no second or third bounce comes in with half the speed of the first")
 def later_restitution_error(run: Run) -> list[float]:
     """second and third impact where they come in with half the first speed, worst ball"""
-    if run.expected is None:
-        raise NotMeasurable("no truth to say which bounces fall into the run")
-    errors = []
-    for (e, flights), (_, true_flights) in zip(
-        _all_flights(run.scene, run.actual), _all_flights(run.scene, run.expected), strict=True
-    ):
+    errors, end = [], run.truth.time[-1]
+    for e, flights, true_flights in _beside_truth(run):
         # Bounce n + 1 comes in with e^n of the first speed; its flight must have begun and passed its apex within the truth.
-        asked = [
-            n for n in (1, 2) if e**n >= FAST and len(true_flights) > n + 1 and true_flights[n + 1][1] <= run.expected.time[-1]
-        ]
+        asked = [n for n in (1, 2) if e**n >= FAST and len(true_flights) > n + 1 and true_flights[n + 1][1] <= end]
         bounces = _bounces(flights, 3)
         errors += [abs(bounces[n] - e) for n in asked]
     return errors
@@ -109,14 +113,10 @@ def later_restitution_error(run: Run) -> list[float]:
 @metric("s", SOURCE, even=True, empty="no impact falls into the run")
 def impact_time_error(run: Run) -> list[float]:
     """landings of the first two parabolas against the truth's, worst ball"""
-    if run.expected is None:
-        raise NotMeasurable("no truth with impact times")
     errors = []
-    for (_, flights), (_, true_flights) in zip(
-        _all_flights(run.scene, run.actual), _all_flights(run.scene, run.expected), strict=True
-    ):
+    for _, flights, true_flights in _beside_truth(run):
         for n, (_, landing) in enumerate(true_flights[:2]):
-            if landing <= run.expected.time[-1]:
+            if landing <= run.truth.time[-1]:
                 errors.append(abs(flights[n][1] - landing) if n < len(flights) else math.inf)
     return errors
 
@@ -136,14 +136,13 @@ def _last_hop(scene: Scene, run: Trajectory) -> list[float]:
     f"{SOURCE}, t0 (1 + e)/(1 - e) in all; last instant off the ground by {HOP:g} of the drop, against the truth's, "
     "worst ball that comes to rest",
     even=True,
+    samples=2,
     empty="no ball comes to rest within the run",
 )
 def bouncing_time_error(run: Run) -> list[float]:
-    if run.expected is None or len(run.expected) == 0:
-        raise NotMeasurable("no truth to say when all bouncing ends")
-    pairs = zip(_last_hop(run.scene, run.actual), _last_hop(run.scene, run.expected), strict=True)
+    pairs = zip(_last_hop(run.scene, run.actual), _last_hop(run.scene, run.truth), strict=True)
     # What still hops at the end of the truth has no end to compare with.
-    return [abs(measured - true) for measured, true in pairs if true < run.expected.time[-2]]
+    return [abs(measured - true) for measured, true in pairs if true < run.truth.time[-2]]
 
 
 @metric("1", even=True, empty="no ball bounces twice from a quarter of its drop or more")
@@ -153,6 +152,56 @@ def bounce_gain(run: Run) -> list[float]:
     gains = []
     for (place, at, _), (_, flights) in zip(_balls(run.scene), _all_flights(run.scene, run.actual), strict=True):
         apexes = [apex for apex, _ in flights]
-        high = FAST**2 * (run.scene.bodies[place].p_WB[2] - at)
+        high = FAST**2 * (run.bodies[place].p_WB[2] - at)
         gains += [after / before - 1 for before, after in pairwise(apexes) if before >= high] if apexes else [math.nan]
     return gains
+
+
+ROW_SOURCE = "Herrmann, Schmaelzle, Am. J. Phys. 49 (1981) 761 (a row with gaps is a chain of pairs)"
+CONTACT = 1e-9
+"""Gaps below this [m] are none: the rounding of places of some metres, a million times over."""
+
+
+def _rows(scene: Scene) -> list[tuple[list[int], Floats, float]]:
+    """Of each row: places of the balls from the first to the last, the way of the first, the narrowest gap [m]."""
+    kinds: dict[str, list[int]] = {}
+    for place, body in enumerate(scene.bodies):
+        if body.movable and isinstance(body.only_shape, Sphere):
+            kinds.setdefault(body.material, []).append(place)
+    rows = []
+    for places in kinds.values():
+        moving = [place for place in places if any(scene.bodies[place].v_WB)]
+        if len(places) < 2 or len(moving) != 1:
+            continue
+        v_WB = np.array(scene.bodies[moving[0]].v_WB)
+        way = v_WB / np.linalg.norm(v_WB)
+        ordered = sorted(places, key=lambda place: float(np.array(scene.bodies[place].p_WB) @ way))
+        along = [float(np.array(scene.bodies[place].p_WB) @ way) for place in ordered]
+        radii = np.array([outer_radius(placed.shape) for place in ordered for placed in scene.bodies[place].collision])
+        gaps = np.diff(along) - radii[1:] - radii[:-1]
+        rows.append((ordered, way, float(gaps[1:].min()) if len(gaps) > 1 else float(gaps[0])))
+    if not rows:
+        raise NotMeasurable("no row of balls of which one moves")
+    return rows
+
+
+def _share(scene: Scene, actual: Trajectory, places: list[int], way: Floats) -> float:
+    """The last ball's share of the momentum that the first one brought."""
+    first, last = scene.bodies[places[0]], scene.bodies[places[-1]]
+    brought = first.mass * float(np.linalg.norm(first.v_WB))
+    return last.mass * float(actual.v_WB[-1, places[-1]] @ way) / brought
+
+
+@metric("1", ROW_SOURCE, empty="every row touches")
+def last_share_error(run: Run) -> list[float]:
+    """|share of the last ball in the momentum of the first - 1|, worst row with gaps"""
+    return [abs(_share(run.scene, run.actual, places, way) - 1) for places, way, gap in _rows(run.scene) if gap > CONTACT]
+
+
+@metric("1", better="higher")
+def touching_last_share(run: Run) -> float:
+    """definition: share of the last ball in the momentum of the first, mean of the rows that touch"""
+    shares = [_share(run.scene, run.actual, places, way) for places, way, gap in _rows(run.scene) if gap <= CONTACT]
+    if not shares:
+        raise NotMeasurable("no row touches")
+    return float(np.mean(shares))

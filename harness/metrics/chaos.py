@@ -1,16 +1,24 @@
-"""Balls let go near the tops of fixed balls: how fast a small tilt grows, and how small a one decides where a ball falls.
+"""Motions in which small differences grow: balls on the edge, and ensembles that chance has parted.
 
-The tilt of a ball is the angle between the upward vertical and the line to its centre from that of the fixed ball beneath it.
-While it is small it grows like exp(L t). A start is followed if the ball leaves to the side that it was set to, at a time that
-fits it: not as if it had been set ten times nearer or farther. Growth is fitted between twenty times the start and 0.1 rad,
-alike in answer and truth.
+Of balls let go near the tops of fixed balls: how fast a small tilt grows, and how small a one decides where a ball falls. The
+tilt of a ball is the angle between the upward vertical and the line to its centre from that of the fixed ball beneath it. While
+it is small it grows like exp(L t). A start is followed if the ball leaves to the side that it was set to, at a time that fits
+it: not as if it had been set ten times nearer or farther. Growth is fitted between twenty times the start and 0.1 rad, alike in
+answer and truth.
+
+Of equal systems side by side from starts that hardly differ: what they do on average once chance has parted them. The members
+of an ensemble are told by the number at the end of their bodies' names. Late in a chaotic motion no member can be compared with
+the truth's, but averages over members and time can, to their standard error.
 """
+
+import re
 
 import numpy as np
 
 from plumbline.harness.metric import NotMeasurable, Run, metric
 from plumbline.harness.scene import Scene, Sphere
 from plumbline.harness.trajectory import Floats, Trajectory
+from plumbline.harness.trajectory.kinematics import rotate_back
 
 GROWN, LINEAR = 0.1, 20.0
 TENFOLD = float(np.log(10.0))
@@ -19,20 +27,14 @@ SOURCE = "Ott, Chaos in Dynamical Systems, 2nd ed., section 4.4 (exponent of the
 
 def _pairs(scene: Scene) -> list[tuple[int, int]]:
     """Places of each movable ball and of the fixed ball beneath it."""
-    balls = [
-        (place, body)
-        for place, body in enumerate(scene.bodies)
-        if len(body.collision) == 1 and isinstance(body.collision[0].shape, Sphere)
-    ]
-    fixed = [place for place, body in balls if not body.movable]
-    if not fixed or len(fixed) == len(balls) or not any(scene.gravity):
+    balls = [place for place, body in enumerate(scene.bodies) if isinstance(body.only_shape, Sphere)]
+    free = [place for place in balls if scene.bodies[place].movable]
+    fixed = [place for place in balls if place not in free]
+    if not fixed or not free or not any(scene.gravity):
         raise NotMeasurable("balls, balls that stand still beneath them, and gravity are needed")
     centres = np.array([scene.bodies[place].p_WB for place in fixed])
-    pairs = []
-    for place, body in balls:
-        if body.movable:
-            pairs.append((place, fixed[int(np.argmin(np.linalg.norm(centres - np.array(body.p_WB), axis=1)))]))
-    return pairs
+    beneath = (np.argmin(np.linalg.norm(centres - np.array(scene.bodies[place].p_WB), axis=1)) for place in free)
+    return [(place, fixed[int(nearest)]) for place, nearest in zip(free, beneath, strict=True)]
 
 
 def _tilts(scene: Scene, run: Trajectory) -> tuple[Floats, Floats]:
@@ -129,3 +131,44 @@ def exit_time_error_rms(run: Run) -> float:
     if not judged.any():
         raise NotMeasurable("no start of the truth leaves before the end")
     return float(np.sqrt(np.mean(np.square(left[judged] - due[judged]))))
+
+
+def _members(scene: Scene) -> list[list[int]]:
+    """The places of each member's movable bodies, member by member."""
+    by_number: dict[int, list[int]] = {}
+    for place, body in enumerate(scene.bodies):
+        number = re.fullmatch(r".*_(\d+)", body.name)
+        if body.movable and number is not None:
+            by_number.setdefault(int(number[1]), []).append(place)
+    members = [by_number[number] for number in sorted(by_number)]
+    if len(members) < 2 or len({len(member) for member in members}) > 1:
+        raise NotMeasurable("an ensemble needs two members or more with the same number of bodies each")
+    return members
+
+
+def kinetic_energies(scene: Scene, run: Trajectory) -> Floats:
+    """Kinetic energy of each member, averaged over time, (members,) J. Raises: NotMeasurable."""
+    members = _members(scene)
+    means = np.zeros(len(members))
+    for k, member in enumerate(members):
+        for place in member:
+            w_B = rotate_back(run.q_WB[:, place], run.w_WB[:, place])
+            inertia = np.array(scene.bodies[place].inertia)
+            means[k] += scene.bodies[place].mass * np.mean(np.sum(np.square(run.v_WB[:, place]), axis=-1)) / 2
+            means[k] += np.mean(np.sum(w_B * (w_B @ inertia), axis=-1)) / 2
+    return means
+
+
+@metric("1")
+def ensemble_energy_error(run: Run) -> float:
+    """definition: mean kinetic energy over members and time, over the truth's, less 1"""
+    here, there = (kinetic_energies(run.scene, motion).mean() for motion in (run.actual, run.truth))
+    return float(abs(here / there - 1))
+
+
+@metric("m")
+def ensemble_spread(run: Run) -> float:
+    """definition: root mean square distance, at the end, of a body from the mean of its kind over the members"""
+    members = np.array(_members(run.scene))
+    p_WB = run.actual.p_WB[-1][members]
+    return float(np.sqrt(np.mean(np.sum(np.square(p_WB - p_WB.mean(axis=0)), axis=-1))))

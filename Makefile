@@ -1,4 +1,4 @@
-# Two commands need nothing but Python 3.11 and a package index: `make compare` and `make test`.
+# Two commands need nothing but Python 3.11, 3.12 or 3.13 and a package index: `make compare` and `make test`.
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
@@ -75,8 +75,8 @@ audit:             ## known vulnerabilities of what requirements.lock installs (
 	build/audit/bin/python .ci/audit.py
 
 lock:              ## the lock files anew (needs uv)
-	uv pip compile --quiet --generate-hashes --python-version 3.11 --extra dev --extra decomposition --extra dask --no-header --no-emit-index-url pyproject.toml -o requirements.lock
-	$(foreach engine,$(EXTRAS),$(BIN)/python -c "import tomllib; print(*tomllib.load(open('pyproject.toml', 'rb'))['project']['optional-dependencies']['$(engine)'], sep='\n')" | uv pip compile --quiet --generate-hashes --python-version 3.11 --constraint requirements.lock --no-header --no-emit-index-url - -o adapters/$(engine)/requirements.lock &&) true
+	uv pip compile --quiet --generate-hashes --universal --python-version 3.11 --extra dev --extra decomposition --extra dask --no-header --no-emit-index-url pyproject.toml -o requirements.lock
+	$(foreach engine,$(EXTRAS),$(BIN)/python -c "import tomllib; print(*tomllib.load(open('pyproject.toml', 'rb'))['project']['optional-dependencies']['$(engine)'], sep='\n')" | uv pip compile --quiet --generate-hashes --universal --python-version 3.11 --constraint requirements.lock --no-header --no-emit-index-url - -o adapters/$(engine)/requirements.lock &&) true
 	echo "pip-audit>=2.10" | uv pip compile --quiet --generate-hashes --python-version 3.11 --no-header --no-emit-index-url - -o .ci/audit.lock
 
 clean:             ## everything that can be made again

@@ -8,7 +8,6 @@ from plumbline.harness.case.symmetries import Retelling, other_starts
 from plumbline.harness.metrics import contacts, jitter, stack
 from plumbline.harness.scene import Body, Box, Effect, PlacedShape, Scene, Surface, box_inertia
 from plumbline.harness.trajectory import Floats, Trajectory
-from plumbline.harness.truths.rest import at_rest
 
 MASS = 1.0
 SMALL, APART = 0.1, 0.4
@@ -40,7 +39,7 @@ def scene(p: P) -> Scene:
 
 def expected(time: Floats, p: P) -> Trajectory:
     """Free fall, then rest: a blow of plastic bodies that stands on three levels takes all speed away."""
-    truth = at_rest(scene(p), time)
+    truth = Trajectory.at_rest(scene(p), time)
     fall = math.sqrt(2 * p.drop / G)
     falls = truth.time < fall
     truth.p_WB[:, 3, 2] -= (G * truth.time**2 / 2) * falls + p.drop * ~falls

@@ -98,8 +98,8 @@ class Limit:
         along: the parameter that is made harder: 'axis' for the case's own, 'dt' for the time step, or a parameter's name.
         easy, extreme: where the search starts and ends, the axis's own unless said. scan: values from easy to extreme that are
         tried one after the other before the first bracket is halved. within: the ratio of a bracket's ends at which it is close
-        enough; along an axis that starts at 0, one more than four times their distance over the extreme. members: starts of each value.
-        remedies: the tracks on which what is said to help is tried where a case breaks.
+        enough; along an axis that starts at 0, one more than four times their distance over the extreme. members: starts of
+        each value. remedies: the tracks on which what is said to help is tried where a case breaks.
         parts: of the time step, each a search of its own on 'tuned' in place of that track as it comes, so that all engines are
         compared at equal sub-steps: an engine that takes sub-steps takes so many, another one steps of dt / parts.
     """

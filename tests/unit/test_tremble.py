@@ -24,9 +24,8 @@ from plumbline.harness.store.store import Store
 from plumbline.harness.study.catalogue import describe_case
 from plumbline.harness.study.stored_study import Departure, departures_of
 from plumbline.harness.study.study import Study, load_study
-from plumbline.harness.trajectory import Contacts, State
+from plumbline.harness.trajectory import Contacts, State, Trajectory
 from plumbline.harness.trial.accuracy import run_trial
-from plumbline.harness.truths.rest import at_rest
 from plumbline.reports.pages.tremble import PAGE
 from tests.run_folder import write_run_folder
 
@@ -170,7 +169,7 @@ STANDING = cache(stand_humanoid.scene)
 CASE = replace(
     stand_humanoid.CASE,
     scene=STANDING,
-    expected=lambda time, p: at_rest(STANDING(p), time),
+    expected=lambda time, p: Trajectory.at_rest(STANDING(p), time),
     duration=1.5,
     checks=tuple(check for check in stand_humanoid.CASE.checks if check.metric.name in READ),
     observe=tuple(metric for metric in stand_humanoid.CASE.observe if metric.name in READ),

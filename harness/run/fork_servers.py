@@ -20,6 +20,7 @@ import signal
 import socket
 import subprocess
 import sys
+import threading
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -107,10 +108,11 @@ class Forked:
 
 
 class ForkServer:
-    """A fork server, as seen from here."""
+    """A fork server, as seen from here; several threads may order at once."""
 
     def __init__(self, origin: Origin) -> None:
         """Raises: OSError."""
+        self._ordering = threading.Lock()
         self._orders, theirs = socket.socketpair()
         with theirs:
             self._process = _born(origin, theirs)
@@ -118,7 +120,9 @@ class ForkServer:
     def fork(self, function: Callable[..., object], arguments: Sequence[object]) -> Forked:
         """A process in which a function of a module is called, with a pipe and these arguments. Raises: ConnectionError."""
         (pipe, theirs), (status, tells) = Pipe(), Pipe(duplex=False)
-        with theirs, tells:
+        with theirs, tells, self._ordering:
+            if self._orders.fileno() < 0:
+                raise ConnectionError("a fork server was ended")
             socket.send_fds(self._orders, [b"f"], [theirs.fileno(), tells.fileno()])
         try:
             process = Forked(int(status.recv_bytes()), self._process.pid, pipe, status)
@@ -132,7 +136,8 @@ class ForkServer:
         """End it; its processes end with it."""
         self._process.kill()
         self._process.wait()
-        self._orders.close()
+        with self._ordering:
+            self._orders.close()
 
 
 def expect(modules: Sequence[str]) -> None:
@@ -141,6 +146,8 @@ def expect(modules: Sequence[str]) -> None:
 
 
 _expected: list[str] = []
+_listed = threading.RLock()
+"""Held by who looks for a server, or takes one off the list."""
 _servers: dict[Origin, ForkServer] = {}
 _deadly: set[Origin] = set()
 """Those whose modules kill a server."""
@@ -164,27 +171,27 @@ def start(origin: Origin, function: Callable[..., object], *arguments: object) -
     Raises: OSError; ConnectionError, where new servers die as well.
     """
     for _ in range(_TRIES):
+        with _listed:
+            server = _servers[origin] = _servers.get(origin) or ForkServer(origin)
         try:
-            if origin not in _servers:
-                _servers[origin] = ForkServer(origin)
-            return _servers[origin].fork(function, arguments)
+            return server.fork(function, arguments)
         except ConnectionError:
-            end_servers([origin])
+            with _listed:
+                if _servers.get(origin) is server:
+                    end_servers([origin])
     if not origin.modules:
         raise ConnectionError(f"a process could not be started: its fork server died, {_TRIES} times")
     _deadly.add(origin)
     return start(replace(origin, modules=()), function, *arguments)
 
 
-def end_varied() -> None:
-    """End the servers that were born with variables of their own, which few processes want; the next of these has a new one."""
-    end_servers([origin for origin in _servers if origin.variables])
-
-
 def end_servers(origins: Iterable[Origin]) -> None:
-    """End these servers, with all that came off them."""
+    """End these servers, where they are, with all that came off them."""
     for origin in origins:
-        _servers.pop(origin).end()
+        with _listed:
+            server = _servers.pop(origin, None)
+        if server is not None:
+            server.end()
 
 
 @atexit.register

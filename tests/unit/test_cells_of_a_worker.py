@@ -55,7 +55,8 @@ def test_a_worker_is_told_how_often_an_engine_will_come_and_what_is_to_be_loaded
         return [f"future {number}" for number in range(len(trials))]
 
     workplace = Workplace.__new__(Workplace)
-    workplace._client = SimpleNamespace(map=handed_out, nthreads=lambda: {"tcp://a": 1, "tcp://b": 1})
+    workplace._client = SimpleNamespace(map=handed_out, nthreads=lambda: {"tcp://a": 8, "tcp://b": 8})
+    workplace._run = "a run"
     workplace.expect(MODULES)
     waiting = deque(replace(trial, seed=seed).named() for seed in range(3))
     foreseen = {"bullet": 30}

@@ -12,7 +12,7 @@ import pytest
 from plumbline.harness.findings.tables.determinism import Agreement, agreements, broken
 from plumbline.harness.run import campaign, fork_servers
 from plumbline.harness.run.campaign import carry_out
-from plumbline.harness.run.fork_servers import Origin, end_varied, start
+from plumbline.harness.run.fork_servers import Origin, end_servers, start
 from plumbline.harness.run.isolated import run_isolated
 from plumbline.harness.store.store import Store
 from plumbline.harness.study import expansion, library_variants, plugins
@@ -63,7 +63,7 @@ def test_servers_that_were_born_with_variables_are_ended_and_no_others(light: No
     other = start(Origin(number=1), id)
     assert varied.join(WAIT)
     assert other.join(WAIT)
-    end_varied()
+    end_servers([origin for origin in fork_servers._servers if origin.variables])
     assert not psutil.pid_exists(varied.server)
     assert psutil.pid_exists(other.server)
     assert list(fork_servers._servers) == [Origin(number=1)]

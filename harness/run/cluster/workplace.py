@@ -8,6 +8,7 @@ on one host, alone, and all groups of a run on hosts of one fingerprint.
 import logging
 import queue
 import time
+import uuid
 from collections import Counter, deque
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import CancelledError
@@ -32,8 +33,10 @@ _GONE = 15.0
 """Seconds without the scheduler after which it counts as gone."""
 _LISTENS = 0.5
 _AHEAD = 4
-"""Cells that are handed out for each worker: one at work, the others on their way."""
+"""Cells that are handed out for each thread of a worker: one at work, the others on their way."""
 _FEWEST = 64
+_LOOKS = ("profile", "profile-cycle", "tick", "monitor")
+"""What dask's processes do many times a second for its dashboard."""
 _LOSSES = 1
 """Workers that may be lost under a cell before it is given up: it runs elsewhere once."""
 
@@ -47,15 +50,20 @@ class NoDask(PlumblineError):
 
 
 def _lose_once(dask_scheduler: Any) -> None:
-    """Runs on the scheduler: cells whose worker is lost may run once more."""
+    """Runs on the scheduler: cells whose worker is lost may run once more; it does not look at itself either."""
     dask_scheduler.allowed_failures = _LOSSES
+    _end_looks(dask_scheduler)
 
 
 def _unwatched(dask_worker: Any) -> None:
-    """Runs on a worker: it no longer looks a hundred times a second at what it does, which costs a third of its CPU time."""
-    for name in ("profile", "profile-cycle"):
-        if name in dask_worker.periodic_callbacks:
-            dask_worker.periodic_callbacks[name].stop()
+    """Runs on a worker: it no longer looks at itself a hundred times a second, which costs a third of its CPU time."""
+    _end_looks(dask_worker)
+
+
+def _end_looks(server: Any) -> None:
+    for name in _LOOKS:
+        if name in server.periodic_callbacks:
+            server.periodic_callbacks[name].stop()
 
 
 class Workplace:
@@ -70,7 +78,7 @@ class Workplace:
             from distributed import Client
         except ImportError as error:
             raise NoDask(f"--scheduler: {error}; pip install 'plumbline[dask]'") from None
-        self.address, self._modules = address, tuple[str, ...]()
+        self.address, self._modules, self._run = address, tuple[str, ...](), uuid.uuid4().hex
         self._dask_is_quiet()
         try:
             connect: Any = Client
@@ -161,11 +169,12 @@ class Workplace:
         foreseen: Mapping[str, int],
     ) -> list[tuple[Any, Trial]]:
         """Some more cells, where there are few under way."""
-        most = at_once or max(_FEWEST, _AHEAD * len(self._client.nthreads())) if waiting else 0
+        threads = self._client.nthreads()
+        most = at_once or max(_FEWEST, _AHEAD * sum(threads.values())) if waiting else 0
         if under_way > most // 2:
             return []
         cells = [waiting.popleft() for _ in range(min(len(waiting), most - under_way))]
-        workers = max(1, len(self._client.nthreads()))
+        workers = max(1, len(threads))
         futures = self._client.map(
             answer,
             cells,
@@ -173,6 +182,7 @@ class Workplace:
             key=[f"cell-{cell.trial}" for cell in cells],
             batch_size=_FEWEST,
             modules=self._modules,
+            run=self._run,
         )
         return list(zip(futures, cells, strict=True))
 

@@ -29,7 +29,7 @@ from pathlib import Path
 from typing import Any
 
 from plumbline.harness.case.alteration import Variables
-from plumbline.harness.intake.bounded import end_with_started
+from plumbline.harness.intake.bounded import absolute, end_with_started
 from plumbline.harness.study.environments import Environment, project_folders
 
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
@@ -119,7 +119,7 @@ class ForkServer:
 
     def fork(self, function: Callable[..., object], arguments: Sequence[object]) -> Forked:
         """A process in which a function of a module is called, with a pipe and these arguments. Raises: ConnectionError."""
-        (pipe, theirs), (status, tells) = Pipe(), Pipe(duplex=False)
+        (pipe, theirs), (status, tells) = Pipe(), Pipe()  # sockets: a pipe could be opened by its child, under /proc
         with theirs, tells, self._ordering:
             if self._orders.fileno() < 0:
                 raise ConnectionError("a fork server was ended")
@@ -129,7 +129,7 @@ class ForkServer:
         except EOFError:
             raise ConnectionError("a fork server died") from None
         with suppress(ConnectionError):  # one that has died says so by its end
-            pipe.send_bytes(pickle.dumps((Path.cwd(), _absolute(sys.path), pickle.dumps((function, arguments)))))
+            pipe.send_bytes(pickle.dumps((_here(), absolute(sys.path), pickle.dumps((function, arguments)))))
         return process
 
     def end(self) -> None:
@@ -206,7 +206,7 @@ _ours = os.getpid()
 
 def _born(origin: Origin, orders: socket.socket) -> Any:
     """The process of a server. Numeric libraries use one thread in it."""
-    environment, path = origin.environment, _absolute(sys.path)
+    environment, path = origin.environment, absolute(sys.path)
     variables = os.environ | dict.fromkeys(_THREADS, "1") | dict(origin.variables)
     if sys.dont_write_bytecode:
         variables["PYTHONDONTWRITEBYTECODE"] = "1"
@@ -227,5 +227,8 @@ def _preload(origin: Origin) -> list[str]:
     return [*_PRELOAD, *_expected, *origin.modules]
 
 
-def _absolute(folders: Sequence[str]) -> list[str]:
-    return [str(Path(folder).absolute()) for folder in folders]
+def _here() -> Path:
+    """The present folder, where it is still there."""
+    with suppress(FileNotFoundError):
+        return Path.cwd()
+    return Path("/")

@@ -23,7 +23,7 @@ from plumbline.harness.study import plugins
 from plumbline.harness.study.provenance import sources_of
 from plumbline.harness.study.trial import Trial
 
-_KEPT = ("trajectories", "truths", "logs")
+KEPT = ("trajectories", "truths", "logs")
 """Folders of a run folder that a worker's own may have something for."""
 
 
@@ -126,7 +126,7 @@ def clock_together(trials: tuple[Trial, ...], seed: int, modules: Sequence[str] 
 
 def _taken(folder: Path, run: str) -> dict[str, bytes]:
     """The files of a cell's folder by their place; of truths, which stay here, those that are new to the run."""
-    places = [path.relative_to(folder).as_posix() for name in _KEPT for path in sorted((folder / name).glob("[!.]*"))]
+    places = [path.relative_to(folder).as_posix() for name in KEPT for path in sorted((folder / name).glob("[!.]*"))]
     files = {place: (folder / place).read_bytes() for place in places if (run, place) not in _sent}
     _sent.update((run, place) for place in files if place.startswith("truths/"))
     return files

@@ -7,6 +7,7 @@ on one host, alone, and all groups of a run on hosts of one fingerprint.
 
 import logging
 import queue
+import re
 import time
 import uuid
 from collections import Counter, deque
@@ -17,7 +18,8 @@ from pathlib import Path
 from typing import Any
 
 from plumbline.harness.intake.error import PlumblineError
-from plumbline.harness.run.cluster.cells import Answered, OtherPlumbline, Timed, answer_cell, clock_together, here
+from plumbline.harness.intake.safe_text import quoted
+from plumbline.harness.run.cluster.cells import KEPT, Answered, OtherPlumbline, Timed, answer_cell, clock_together, here
 from plumbline.harness.run.interrupt import stop_if_asked
 from plumbline.harness.store import disk
 from plumbline.harness.store.journal import StoreError
@@ -39,6 +41,9 @@ _LOOKS = ("profile", "profile-cycle", "tick", "monitor")
 """What dask's processes do many times a second for its dashboard."""
 _LOSSES = 1
 """Workers that may be lost under a cell before it is given up: it runs elsewhere once."""
+
+
+_PLACE = re.compile(rf"({'|'.join(KEPT)})/[^./\\\0][^/\\\0]*")
 
 
 class NoScheduler(StoreError):
@@ -273,6 +278,8 @@ def _host(worker: str) -> str:
 def _stored(answered: Answered, trial: Trial, folder: Path) -> Record:
     """The record of a cell, its files written first. Raises: OSError; StoreError, where a file came over damaged."""
     for place, content in answered.files.items():
+        if not _PLACE.fullmatch(place):
+            raise StoreError(f"a worker answered with a file at {quoted(place)}, expected one of a run folder's own")
         path = folder / place
         try:
             if path.suffix in (".npz", ".json"):

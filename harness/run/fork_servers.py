@@ -66,12 +66,13 @@ class Origin:
 class Forked:
     """A process off a fork server, as seen from here.
 
-    Terms: server: the number of its fork server. pipe: to it and from it. status: here its server says how it ended. code: its
+    Terms: server: the number of its fork server, of this origin. pipe: to it and from it. status: here its server says how it ended. code: its
     exit code, below zero for the signal that killed it; None as long as that is unknown. lost: its server died before it told.
     """
 
     pid: int
     server: int
+    origin: Origin
     pipe: Connection
     status: Connection
     code: int | None = None
@@ -99,12 +100,14 @@ class Forked:
                 os.kill(self.pid, signal.SIGKILL)
 
     def end(self) -> None:
-        """End the process, and every other one that was started in it.
+        """End the process, every other one that was started in it, and a server that it has for itself.
 
         Where it has ended by itself, those that left its group have escaped; `end_started` is for them.
         """
         end_with_started(self.pid, running=not self.join(0.0))
         self.join(None)
+        if self.origin.only:
+            end_servers([self.origin])
 
 
 class ForkServer:
@@ -112,7 +115,7 @@ class ForkServer:
 
     def __init__(self, origin: Origin) -> None:
         """Raises: OSError."""
-        self._ordering = threading.Lock()
+        self._origin, self._ordering = origin, threading.Lock()
         self._orders, theirs = socket.socketpair()
         with theirs:
             self._process = _born(origin, theirs)
@@ -125,7 +128,7 @@ class ForkServer:
                 raise ConnectionError("a fork server was ended")
             socket.send_fds(self._orders, [b"f"], [theirs.fileno(), tells.fileno()])
         try:
-            process = Forked(int(status.recv_bytes()), self._process.pid, pipe, status)
+            process = Forked(int(status.recv_bytes()), self._process.pid, self._origin, pipe, status)
         except EOFError:
             raise ConnectionError("a fork server died") from None
         with suppress(ConnectionError):  # one that has died says so by its end

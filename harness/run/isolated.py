@@ -72,8 +72,7 @@ class _Child:
 
     Terms:
         watch: of its memory. inbox: its record comes here, the last word counts. deadline: of what it
-        does now, loading its engine or answering. kills: of the system for want of memory, before it began. origin: what
-        it came off. begun: when it was started, on the monotonic clock [s]. said: what has come so far. broken: what
+        does now, loading its engine or answering. kills: of the system for want of memory, before it began. begun: when it was started, on the monotonic clock [s]. said: what has come so far. broken: what
         it said that no child may say; it is heard no more. answered: what is known of an answer that is being judged, when
         memory and time are those of metrics and truths. ended: has it said its last word, or died? late: why it is; nothing
         where it is not. ready: has it loaded its engine?
@@ -86,7 +85,6 @@ class _Child:
     log: Path
     deadline: Deadline
     kills: int
-    origin: Origin
     begun: float
     said: Record | None = None
     answered: Record | None = None
@@ -125,7 +123,7 @@ class _Child:
             if self.said is not None and (self.said.rough_cost or not roughly_clocked(self.trial, self.said)):
                 return self.said
             if self.process.lost:
-                return outcome(self.trial, "crashed", "its fork server died with it, alone too") if self.origin.only else None
+                return outcome(self.trial, "crashed", "its fork server died with it, alone too") if self.process.origin.only else None
             end = self._end(code)
             if self.said is None and self.answered is not None and end.status in ("oom", "timeout"):
                 return self._unjudged(self.answered, end)
@@ -157,8 +155,6 @@ class _Child:
         self.watch.stop()
         self.process.end()
         self.inbox.pipe.close()
-        if self.origin.only:
-            end_servers([self.origin])
 
 
 def _answer(pipe: Connection, trial: Trial, folder: Path, log: Path) -> None:
@@ -205,7 +201,7 @@ def _start(trial: Trial, origin: Origin, folder: Path, logs: Path) -> _Child | R
         return outcome(trial, "crashed", f"with {', '.join('='.join(each) for each in trial.alteration.variables)}: {error}")
     loading = Deadline(process.pid, trial.experiment.deadline + plugins.adapter(trial.engine).compile_allowance)
     watch = MemoryWatch(process.pid, trial.experiment.memory)
-    return _Child(trial, process, watch, Inbox(process.pipe), log, loading, kills, origin, time.monotonic())
+    return _Child(trial, process, watch, Inbox(process.pipe), log, loading, kills, time.monotonic())
 
 
 def run_isolated(trials: Sequence[Trial], folder: Path, workers: int, foreseen: int = 0) -> Iterator[Record]:

@@ -190,6 +190,15 @@ def test_threads_that_order_at_once_lose_nothing_to_a_server_that_is_killed(ligh
     ledger.survived("fork servers", "killed while eight threads order", "orders without an answer 0")
 
 
+def test_a_server_of_ones_own_ends_with_its_process(light: None, ledger: Page) -> None:
+    process, other = start_process(ORIGINS["its own"], _sleep), start_process(ORIGINS["apart"], _sleep)
+    assert other.server != process.server
+    process.end()
+    assert not psutil.pid_exists(process.server)
+    assert list(fork_servers._servers) == [ORIGINS["apart"]]
+    ledger.survived("fork servers", "a server of one's own", "ends with its process")
+
+
 @pytest.mark.parametrize("code", [0, 1, 3, 255, -signal.SIGKILL, -signal.SIGSEGV])
 def test_how_a_process_ended_is_told_as_it_was(code: int, light: None, ledger: Page) -> None:
     process = start_process(Origin(), end, code) if code >= 0 else start_process(Origin(), _sleep)

@@ -3,11 +3,15 @@
 import ctypes
 import math
 import os
+import resource
 import signal
 import sys
+import time
+from contextlib import suppress
 from multiprocessing.connection import Connection
+from pathlib import Path
 
-__all__ = ["show_flags", "show_libraries", "show_place", "show_threads", "tell"]
+__all__ = ["end", "show_flags", "show_libraries", "show_place", "show_threads", "tamper", "tell"]
 
 
 def tell(pipe: Connection, name: str) -> None:
@@ -35,3 +39,22 @@ def show_libraries(pipe: Connection) -> None:
     kernels = {library["architecture"] for library in threadpool_info() if library["internal_api"] == "openblas"}
     code = introspect.opt_func_info("^exp$", "float64")["exp"]["dd"]["current"]
     pipe.send((kernels, code, [math.sin(0.001 * k) for k in range(10_000)]))
+
+
+def end(_pipe: Connection, code: int) -> None:
+    os._exit(code)
+
+
+def tamper(_pipe: Connection, how: str) -> None:
+    """What an engine may do to the server that it came off."""
+    if how == "writes into every pipe":
+        for descriptor in Path(f"/proc/{os.getppid()}/fd").iterdir():
+            with suppress(OSError):
+                pipe = os.open(descriptor, os.O_WRONLY | os.O_NONBLOCK)
+                os.write(pipe, b"\0\0\0\5never" * 2)
+    elif how == "takes its files":
+        resource.prlimit(os.getppid(), resource.RLIMIT_NOFILE, (3, 3))
+    elif how == "closes everything":
+        os.closerange(0, 256)
+    elif how == "waits":
+        time.sleep(600)

@@ -16,7 +16,7 @@ from pydantic import TypeAdapter, ValidationError
 from plumbline.harness.conformance.catalogue import CHECKS
 from plumbline.harness.conformance.outcomes import Outcome, run_check
 from plumbline.harness.intake.apart import START
-from plumbline.harness.intake.bounded import Bounded
+from plumbline.harness.intake.bounded import Bounded, absolute
 from plumbline.harness.study import plugins
 from plumbline.harness.study.environments import Environment, project_folders
 
@@ -58,7 +58,7 @@ def _failed(name: str, asked: _Asked, message: str) -> Outcome:
 def _asked(environment: Environment | None, name: str, checks: Sequence[_Asked]) -> tuple[list[Outcome], str]:
     """The outcomes of the first of these checks, and how the process ended under the next one."""
     interpreter = sys.executable if environment is None else environment.executable
-    folders = [str(Path(folder).absolute()) for folder in sys.path] if environment is None else project_folders()
+    folders = absolute(sys.path) if environment is None else project_folders()
     command = [interpreter, "-P", "-m", "plumbline.harness.conformance.apart", name, json.dumps(checks)]
     allowed = LONGEST + START + plugins.adapter(name).compile_allowance
     with Bounded(command, answers=True, env=os.environ | {"PYTHONPATH": os.pathsep.join(folders)}) as program:

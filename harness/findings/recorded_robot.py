@@ -19,8 +19,10 @@ import numpy as np
 
 from plumbline.harness.findings.agreement import agreements
 from plumbline.harness.findings.agreement.values import Agreement
+from plumbline.harness.intake.safe_text import quoted
 from plumbline.harness.scene import WORLD, Prismatic, Revolute, Scene
 from plumbline.harness.store.imported_scenes import states_of
+from plumbline.harness.store.journal import StoreError
 from plumbline.harness.store.store import Store
 from plumbline.harness.trajectory import Floats
 from plumbline.harness.trajectory.kinematics import joint_coordinate, rotate
@@ -67,6 +69,10 @@ def _of(store: Store, agreement: Agreement) -> Iterator[JointError]:
     if measured is None or scene is None:
         return
     joints = {joint.name: joint for joint in scene.joints if isinstance(joint, Revolute | Prismatic)}
+    if strangers := [name for name in measured["positions"] if name not in joints]:
+        raise StoreError(
+            f"{store.folder}: {measured['source']} has positions of {quoted(strangers[0])}, no joint of {agreement.case}"
+        )
     for side in agreement.sides:
         rung = side.limit.finest
         if rung is None or rung.run is None:

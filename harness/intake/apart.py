@@ -12,7 +12,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, TypeVar
 
-from plumbline.harness.intake.bounded import bounded
+from plumbline.harness.intake.bounded import absolute, bounded
 from plumbline.harness.intake.safe_text import readable
 
 START = 10.0
@@ -47,7 +47,7 @@ def apart(
         answers=True,
         order=pickle.dumps((function, arguments)),
         # It is to find what this process finds, wherever that has been told to look.
-        env=os.environ | {"PYTHONPATH": os.pathsep.join(str(Path(folder).absolute()) for folder in path or sys.path)},
+        env=os.environ | {"PYTHONPATH": os.pathsep.join(absolute(path or sys.path))},
     )
     if not ended.answer:
         words = f": {ended.last_words}" if ended.code and ended.last_words else ""

@@ -10,7 +10,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -28,6 +28,15 @@ _LOOKS = 0.02
 _PR_SET_PDEATHSIG = 1
 """From linux/prctl.h: the signal that a process gets when the one that forked it is gone."""
 _LIBRARY = ctypes.CDLL(None) if sys.platform == "linux" else None
+
+
+def absolute(folders: Iterable[str]) -> list[str]:
+    """Folders that an interpreter looks into, as one elsewhere finds them; without those of a present folder that is gone."""
+    found = []
+    for folder in folders:
+        with suppress(FileNotFoundError):
+            found.append(str(Path(folder).absolute()))
+    return found
 
 
 def named_signal(number: int) -> str:

@@ -62,7 +62,7 @@ def keep(path: Path, content: bytes) -> None:
     with suppress(OSError):
         for folder in (path.parent.parent, path.parent):
             folder.mkdir(mode=0o755, parents=True, exist_ok=True)
-        with os.fdopen(os.open(draft, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o644), "wb") as file:
+        with os.fdopen(os.open(draft, os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_NOFOLLOW, 0o644), "wb") as file:
             file.write(_digest(path, content) + content)
         draft.replace(path)
         return

@@ -28,7 +28,7 @@ from plumbline.harness.run.resume import another_study, clear_drafts, clocked_el
 from plumbline.harness.run.timing_protocol import clock_group
 from plumbline.harness.search import dominance, first_break, front, needless_effects, refined_ladder
 from plumbline.harness.store import disk
-from plumbline.harness.store.journal import FolderTaken, Journal, StoreError
+from plumbline.harness.store.journal import FolderTaken, Journal, StoreError, refuse_links
 from plumbline.harness.store.machine_fingerprint import circumstances, fingerprint, machine_digest
 from plumbline.harness.store.record import Timing
 from plumbline.harness.store.seal import sealed_json, sealed_toml
@@ -277,6 +277,7 @@ def carry_out(
     if not trials:
         raise StudyError(f"study '{study.name}': no trial; its cases and engines, or --case, --engine and --shard, leave none")
     disk.make_folder(folder)
+    refuse_links(folder)
     engines = {name: describe_engine(adapter) for name, adapter in adapters.items()}
     # Who clocks is the machine of a run: prices are read with it, answers name theirs one by one.
     plain, machine = plain_study(study), fingerprint()

@@ -20,6 +20,7 @@ import signal
 import socket
 import subprocess
 import sys
+import threading
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -28,7 +29,7 @@ from pathlib import Path
 from typing import Any
 
 from plumbline.harness.case.alteration import Variables
-from plumbline.harness.intake.bounded import end_with_started
+from plumbline.harness.intake.bounded import absolute, end_with_started
 from plumbline.harness.study.environments import Environment, project_folders
 
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS", "VECLIB_MAXIMUM_THREADS")
@@ -65,12 +66,13 @@ class Origin:
 class Forked:
     """A process off a fork server, as seen from here.
 
-    Terms: server: the number of its fork server. pipe: to it and from it. status: here its server says how it ended. code: its
+    Terms: server: the number of its fork server, of this origin. pipe: to it and from it. status: here its server says how it ended. code: its
     exit code, below zero for the signal that killed it; None as long as that is unknown. lost: its server died before it told.
     """
 
     pid: int
     server: int
+    origin: Origin
     pipe: Connection
     status: Connection
     code: int | None = None
@@ -98,41 +100,47 @@ class Forked:
                 os.kill(self.pid, signal.SIGKILL)
 
     def end(self) -> None:
-        """End the process, and every other one that was started in it.
+        """End the process, every other one that was started in it, and a server that it has for itself.
 
         Where it has ended by itself, those that left its group have escaped; `end_started` is for them.
         """
         end_with_started(self.pid, running=not self.join(0.0))
         self.join(None)
+        if self.origin.only:
+            end_servers([self.origin])
 
 
 class ForkServer:
-    """A fork server, as seen from here."""
+    """A fork server, as seen from here; several threads may order at once."""
 
     def __init__(self, origin: Origin) -> None:
         """Raises: OSError."""
+        self._origin, self._ordering = origin, threading.Lock()
         self._orders, theirs = socket.socketpair()
         with theirs:
             self._process = _born(origin, theirs)
 
     def fork(self, function: Callable[..., object], arguments: Sequence[object]) -> Forked:
         """A process in which a function of a module is called, with a pipe and these arguments. Raises: ConnectionError."""
-        (pipe, theirs), (status, tells) = Pipe(), Pipe(duplex=False)
-        with theirs, tells:
+        (pipe, theirs), (status, tells) = Pipe(), Pipe()  # sockets: a pipe could be opened by its child, under /proc
+        with theirs, tells, self._ordering:
+            if self._orders.fileno() < 0:
+                raise ConnectionError("a fork server was ended")
             socket.send_fds(self._orders, [b"f"], [theirs.fileno(), tells.fileno()])
         try:
-            process = Forked(int(status.recv_bytes()), self._process.pid, pipe, status)
+            process = Forked(int(status.recv_bytes()), self._process.pid, self._origin, pipe, status)
         except EOFError:
             raise ConnectionError("a fork server died") from None
         with suppress(ConnectionError):  # one that has died says so by its end
-            pipe.send_bytes(pickle.dumps((Path.cwd(), _absolute(sys.path), pickle.dumps((function, arguments)))))
+            pipe.send_bytes(pickle.dumps((_here(), absolute(sys.path), pickle.dumps((function, arguments)))))
         return process
 
     def end(self) -> None:
         """End it; its processes end with it."""
         self._process.kill()
         self._process.wait()
-        self._orders.close()
+        with self._ordering:
+            self._orders.close()
 
 
 def expect(modules: Sequence[str]) -> None:
@@ -141,6 +149,8 @@ def expect(modules: Sequence[str]) -> None:
 
 
 _expected: list[str] = []
+_listed = threading.RLock()
+"""Held by who looks for a server, or takes one off the list."""
 _servers: dict[Origin, ForkServer] = {}
 _deadly: set[Origin] = set()
 """Those whose modules kill a server."""
@@ -164,27 +174,27 @@ def start(origin: Origin, function: Callable[..., object], *arguments: object) -
     Raises: OSError; ConnectionError, where new servers die as well.
     """
     for _ in range(_TRIES):
+        with _listed:
+            server = _servers[origin] = _servers.get(origin) or ForkServer(origin)
         try:
-            if origin not in _servers:
-                _servers[origin] = ForkServer(origin)
-            return _servers[origin].fork(function, arguments)
+            return server.fork(function, arguments)
         except ConnectionError:
-            end_servers([origin])
+            with _listed:
+                if _servers.get(origin) is server:
+                    end_servers([origin])
     if not origin.modules:
         raise ConnectionError(f"a process could not be started: its fork server died, {_TRIES} times")
     _deadly.add(origin)
     return start(replace(origin, modules=()), function, *arguments)
 
 
-def end_varied() -> None:
-    """End the servers that were born with variables of their own, which few processes want; the next of these has a new one."""
-    end_servers([origin for origin in _servers if origin.variables])
-
-
 def end_servers(origins: Iterable[Origin]) -> None:
-    """End these servers, with all that came off them."""
+    """End these servers, where they are, with all that came off them."""
     for origin in origins:
-        _servers.pop(origin).end()
+        with _listed:
+            server = _servers.pop(origin, None)
+        if server is not None:
+            server.end()
 
 
 @atexit.register
@@ -199,7 +209,7 @@ _ours = os.getpid()
 
 def _born(origin: Origin, orders: socket.socket) -> Any:
     """The process of a server. Numeric libraries use one thread in it."""
-    environment, path = origin.environment, _absolute(sys.path)
+    environment, path = origin.environment, absolute(sys.path)
     variables = os.environ | dict.fromkeys(_THREADS, "1") | dict(origin.variables)
     if sys.dont_write_bytecode:
         variables["PYTHONDONTWRITEBYTECODE"] = "1"
@@ -220,5 +230,8 @@ def _preload(origin: Origin) -> list[str]:
     return [*_PRELOAD, *_expected, *origin.modules]
 
 
-def _absolute(folders: Sequence[str]) -> list[str]:
-    return [str(Path(folder).absolute()) for folder in folders]
+def _here() -> Path:
+    """The present folder, where it is still there."""
+    with suppress(FileNotFoundError):
+        return Path.cwd()
+    return Path("/")

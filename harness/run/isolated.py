@@ -14,7 +14,7 @@ from plumbline.harness.intake.bounded import named_signal
 from plumbline.harness.intake.deadline import Deadline
 from plumbline.harness.intake.safe_text import readable
 from plumbline.harness.run.child import answers, confine, end_started, roughly_clocked
-from plumbline.harness.run.fork_servers import Forked, Origin, end_varied, loaded, start
+from plumbline.harness.run.fork_servers import Forked, Origin, end_servers, loaded, start
 from plumbline.harness.run.interrupt import naming, stop_if_asked
 from plumbline.harness.run.memory_watch import MemoryWatch, kills_for_memory
 from plumbline.harness.run.message import BrokenMessage, Inbox, read_record, send
@@ -72,8 +72,7 @@ class _Child:
 
     Terms:
         watch: of its memory. inbox: its record comes here, the last word counts. deadline: of what it
-        does now, loading its engine or answering. kills: of the system for want of memory, before it began. alone: does
-        nobody run beside it? begun: when it was started, on the monotonic clock [s]. said: what has come so far. broken: what
+        does now, loading its engine or answering. kills: of the system for want of memory, before it began. begun: when it was started, on the monotonic clock [s]. said: what has come so far. broken: what
         it said that no child may say; it is heard no more. answered: what is known of an answer that is being judged, when
         memory and time are those of metrics and truths. ended: has it said its last word, or died? late: why it is; nothing
         where it is not. ready: has it loaded its engine?
@@ -86,7 +85,6 @@ class _Child:
     log: Path
     deadline: Deadline
     kills: int
-    alone: bool
     begun: float
     said: Record | None = None
     answered: Record | None = None
@@ -116,7 +114,7 @@ class _Child:
         return self.ended or bool(self.broken) or bool(self.late)
 
     def record(self) -> Record | None:
-        """Its record, or its outcome; None if the fork server that it shared with others died.
+        """Its record, or its outcome; None if the fork server that it may have shared with others died.
 
         The process has ended then.
         """
@@ -125,7 +123,7 @@ class _Child:
             if self.said is not None and (self.said.rough_cost or not roughly_clocked(self.trial, self.said)):
                 return self.said
             if self.process.lost:
-                return outcome(self.trial, "crashed", "its fork server died with it, alone too") if self.alone else None
+                return outcome(self.trial, "crashed", "its fork server died with it, alone too") if self.process.origin.only else None
             end = self._end(code)
             if self.said is None and self.answered is not None and end.status in ("oom", "timeout"):
                 return self._unjudged(self.answered, end)
@@ -191,44 +189,42 @@ def _origin(trial: Trial, foreseen: int) -> Origin:
     return loaded(plugins.adapter(trial.engine).loads, foreseen, environment)
 
 
-def _start(trial: Trial, folder: Path, logs: Path, foreseen: int, alone: bool) -> _Child | Record:
-    """A process at work on the trial; a record if no server can be born with the trial's variables.
-
-    Terms: foreseen: trials of this engine in all.
-    """
+def _start(trial: Trial, origin: Origin, folder: Path, logs: Path) -> _Child | Record:
+    """A process at work on the trial; a record if no server can be born with the trial's variables."""
     kills, log = kills_for_memory(), logs / f"{trial.trial}.log"
     log.unlink(missing_ok=True)
     try:
-        process = start(_origin(trial, foreseen), _answer, trial, folder, log)
+        process = start(origin, _answer, trial, folder, log)
     except ConnectionError as error:
         if not trial.alteration.variables:
             raise
         return outcome(trial, "crashed", f"with {', '.join('='.join(each) for each in trial.alteration.variables)}: {error}")
     loading = Deadline(process.pid, trial.experiment.deadline + plugins.adapter(trial.engine).compile_allowance)
     watch = MemoryWatch(process.pid, trial.experiment.memory)
-    return _Child(trial, process, watch, Inbox(process.pipe), log, loading, kills, alone, time.monotonic())
+    return _Child(trial, process, watch, Inbox(process.pipe), log, loading, kills, time.monotonic())
 
 
 def run_isolated(trials: Sequence[Trial], folder: Path, workers: int, foreseen: int = 0) -> Iterator[Record]:
     """Records as they come in, one for each trial; leaving the iterator early stops all children.
 
     Args: foreseen: trials that an engine will have in all, where there are more to come than these.
-    Trials whose fork server died under them run again at the end, one by one.
+    A trial whose fork server died under it runs again, off a server of its own. Several threads may run this, each in a folder
+    of its own.
     """
     obstacles = {trial.trial: reason for trial in trials if (reason := obstacle(trial.alteration.variables))}
     yield from (outcome(trial, "unavailable", obstacles[trial.trial]) for trial in trials if trial.trial in obstacles)
     logs = folder / "logs"
     logs.mkdir(exist_ok=True)
-    forsaken: list[Trial] = []
     waiting = [trial for trial in reversed(trials) if trial.trial not in obstacles]
     engines = Counter(trial.engine for trial in trials)
-    running: list[_Child] = []
+    running, forsaken, varied = list[_Child](), set[str](), set[Origin]()
     try:
-        while waiting or running or forsaken:
-            alone = not (waiting or running)
-            if alone or (waiting and len(running) < workers):
-                trial = forsaken.pop() if alone else waiting.pop()
-                started = _start(trial, folder, logs, max(foreseen, engines[trial.engine]), alone)
+        while waiting or running:
+            if waiting and len(running) < workers:
+                trial = waiting.pop()
+                origin = _origin(trial, max(foreseen, engines[trial.engine]))
+                varied |= {origin} if origin.variables else set()
+                started = _start(trial, replace(origin, only=trial.trial if trial.trial in forsaken else ""), folder, logs)
                 if isinstance(started, Record):
                     yield started
                 else:
@@ -242,13 +238,14 @@ def run_isolated(trials: Sequence[Trial], folder: Path, workers: int, foreseen: 
                 running.remove(child)
                 record = child.record()
                 if record is None:
-                    forsaken.append(child.trial)
+                    forsaken.add(child.trial.trial)
+                    waiting.append(child.trial)
                     continue
                 _trim(child.log, record)
                 yield record
     finally:
         for child in running:
             child.stop()
-        end_varied()
+        end_servers(varied)  # few processes want them
         if not any(logs.iterdir()):
             logs.rmdir()

@@ -135,7 +135,8 @@ def _form(of: type) -> Callable[[str], Any]:
     return lambda text: adapter.validate_json(text, strict=True)
 
 
-def _checked(of: type, value: Any) -> Any:
+def read_value(of: type, value: Any) -> Any:
+    """A value of this type that a child told, with readable texts. Raises: BrokenMessage."""
     try:
         return _form(of)(json.dumps(_cleaned(value)))
     except ValidationError as error:
@@ -146,19 +147,19 @@ def _checked(of: type, value: Any) -> Any:
 
 def read_record(trial: Trial, value: Any) -> Record:
     """The record that a child told of a trial. Raises: BrokenMessage."""
-    answer: Record = _checked(Record, value)
+    answer: Record = read_value(Record, value)
     return replace(outcome(trial, answer.status, answer.reason), **{name: getattr(answer, name) for name in _ANSWERED})
 
 
 def read_sample(value: Any) -> Sample:
     """The sample that a child told. Raises: BrokenMessage."""
-    sample: Sample = _checked(Sample, value)
+    sample: Sample = read_value(Sample, value)
     return sample
 
 
 def read_sampling(value: Any) -> Sampling:
     """How a child says that it samples. Raises: BrokenMessage."""
-    sampling: Sampling = _checked(Sampling, value)
+    sampling: Sampling = read_value(Sampling, value)
     if sampling.steps < 1 or sampling.run < 0 or (sampling.run and sampling.steps % sampling.run):
         raise BrokenMessage(f"sampling: got {sampling.steps} steps of runs of {sampling.run}, expected whole runs")
     return sampling

@@ -131,16 +131,13 @@ class Ready:
 class Clocked:
     """The parent's end of one child.
 
-    Terms: watch: of its memory. alone: is its server its engine's alone? trouble: what it died of; it
-    serves nobody then. forsaken: it ended with a server of several engines, and nobody knows whose fault that is.
+    Terms: watch: of its memory. trouble: what it died of; it serves nobody then.
     """
 
     process: Forked
     watch: MemoryWatch
     inbox: Inbox
-    alone: bool = False
     trouble: str = ""
-    forsaken: bool = False
 
     def ask(self, number: int, block: int, sampling: Sampling) -> None:
         """Ask for a sample."""
@@ -152,7 +149,7 @@ class Clocked:
             self.inbox.pipe.send(message)
 
     def answer(self, seconds: float) -> Sampling | Sample | Ready | str | None:
-        """The next message, a text where something went wrong, None where it is forsaken.
+        """The next message, a text where something went wrong, None where nobody knows whose fault it was.
 
         `trouble` is set after death or the deadline. Raises: TimeIsUp, where that comes first.
         """
@@ -170,13 +167,12 @@ class Clocked:
         except BrokenMessage as error:
             self.trouble = f"broken contract: {error}"
             self.process.kill()
-        return None if self.forsaken else self.trouble
+        return None if self.trouble and self.process.lost and not self.process.origin.only else self.trouble
 
     def _death(self, code: int | None) -> str:
         if self.watch.taken:
             return f"took {self.watch.taken:.0f} MB of memory, more than its trials may together"
         if self.process.lost:
-            self.forsaken = not self.alone
             return "its fork server died with it"
         return f"process ended with exit code {code}"
 
@@ -238,11 +234,6 @@ class Team:
         """Did a child die of another trial, or with its server?"""
         return not self.trouble and any(child.trouble for child in self.children)
 
-    @property
-    def forsaken(self) -> bool:
-        """Did a child end with its server?"""
-        return any(child.forsaken for child in self.children)
-
     def calibrated(self, seconds: float) -> None:
         """Wait until every child is ready for this trial. Raises: TimeIsUp."""
         with naming([(self.trial, time.monotonic())]):
@@ -300,15 +291,15 @@ def _start(trials: Sequence[Trial], folder: Path, server: int, apart: bool) -> I
             place = Place(cores[worker % len(cores)], worker == 0, workers > 1)
             process = start(origin, _child, served, place, log)
             watch = MemoryWatch(process.pid, sum(trial.experiment.memory for trial in served), _LOOKS)
-            children.append(Clocked(process, watch, Inbox(process.pipe), alone=apart))
+            children.append(Clocked(process, watch, Inbox(process.pipe)))
         yield from (Team(trial, children, number) for number, trial in enumerate(served))
 
 
 def ready_teams(trials: Sequence[Trial], folder: Path, server: int = 0, apart: bool = False) -> dict[str, Team]:
     """A team for each trial, by the trial's name, ready or in trouble; whose process died of another trial got a new one.
 
-    Terms: server: the number of the fork server that all come from; where that dies, each gets a server of its own of that
-    number. apart: they have them from the beginning.
+    Terms: server: the number of the fork server that all come from; an engine whose process is lost gets a server of its own of
+    that number. apart: they have them from the beginning.
     Raises: TimeIsUp; nobody is left behind then.
     """
     ready: dict[str, Team] = {}
@@ -329,5 +320,5 @@ def ready_teams(trials: Sequence[Trial], folder: Path, server: int = 0, apart: b
             else:
                 ready[team.trial.trial] = team
         waiting = [team.trial for team in started if team.lost]
-        apart = apart or any(team.forsaken for team in started)
+        apart = True
     return ready

@@ -128,7 +128,7 @@ def _sample(teams: dict[str, Team], name: str, block: int, folder: Path, server:
     while sample is None and not teams[name].trouble:
         if teams[name].lost:
             lost = [team for team in teams.values() if team.lost]
-            teams |= ready_teams([team.trial for team in lost], folder, server, any(team.forsaken for team in lost))
+            teams |= ready_teams([team.trial for team in lost], folder, server, apart=True)
             for team in lost:
                 team.stop()
         if not teams[name].trouble:

@@ -92,7 +92,7 @@ def write_atomically(path: Path, content: bytes) -> None:
     """Write a file so that a kill or a power cut leaves the old one or the new one, never a part. Raises: OSError."""
     draft = path.with_name(f".{path.name}.{os.getpid()}")
     try:
-        descriptor = calls.open(draft, os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
+        descriptor = calls.open(draft, os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_NOFOLLOW)
         try:
             _write(descriptor, content)
         finally:

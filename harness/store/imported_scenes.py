@@ -4,11 +4,13 @@ import hashlib
 import json
 import re
 from collections.abc import Iterator
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 import tomli_w
-from pydantic import TypeAdapter
+from pydantic import FiniteFloat, TypeAdapter, ValidationError
+from typing_extensions import TypedDict
 
 from plumbline.harness.case.own_titles import OWN
 from plumbline.harness.case.undropped import beside as undropped_beside
@@ -18,6 +20,7 @@ from plumbline.harness.scene.importers.commands import Log
 from plumbline.harness.scene.importers.fidelity import plain
 from plumbline.harness.scene.importers.imported import Imported
 from plumbline.harness.store import disk
+from plumbline.harness.store.journal import refuse_links
 from plumbline.harness.store.seal import Damaged, check_seal, require_seal, sealed_json, sealed_toml
 
 FOLDER = "scenes"
@@ -30,8 +33,21 @@ _SHAPES: TypeAdapter[dict[str, tuple[PlacedShape, ...]]] = TypeAdapter(dict[str,
 _UNSAFE = re.compile(r"[^A-Za-z0-9_-]+")
 
 
+class Measured(TypedDict):
+    """What a log said of joints, from its first line on. Terms: source: the file, in words. time [s]; positions by joint."""
+
+    source: str
+    time: list[FiniteFloat]
+    positions: dict[str, list[FiniteFloat]]
+
+
+_MEASURED: TypeAdapter[Measured] = TypeAdapter(Measured)
+
+
 def keep(folder: Path, imported: Imported, states: Log | None = None) -> Path:
-    """Write an import into a run folder; the same one is written once. Returns: the scene file. Raises: OSError.
+    """Write an import into a run folder; the same one is written once. Returns: the scene file.
+
+    Raises: OSError; StoreError, where the run folder is not its own.
 
     Args: states: positions of its joints that were measured, to compare with.
     """
@@ -52,6 +68,7 @@ def keep(folder: Path, imported: Imported, states: Log | None = None) -> Path:
     measured = None if states is None else _plain_log(states)
     whole += [] if measured is None else [json.dumps(measured)]
     digest = hashlib.sha256(json.dumps([scene, table, wishes, *whole]).encode()).hexdigest()[:12]
+    refuse_links(folder)
     directory = folder / FOLDER / digest
     disk.make_folder(directory)
     files = {f"{name}.toml": sealed_toml(f"{name}.toml", scene), _TABLE: sealed_json(_TABLE, table)}
@@ -70,13 +87,13 @@ def keep(folder: Path, imported: Imported, states: Log | None = None) -> Path:
     return directory / f"{name}.toml"
 
 
-def _plain_log(log: Log) -> dict[str, Any]:
+def _plain_log(log: Log) -> Measured:
     start = log.time[0]
     columns = {joint: list(values) for (joint, _), values in log.columns.items()}
     return {"source": log.source, "time": [t - start for t in log.time], "positions": columns}
 
 
-def states_of(folder: Path, case: str) -> dict[str, Any] | None:
+def states_of(folder: Path, case: str) -> Measured | None:
     """What was measured of the robot that a case is made of: source, time [s], positions by joint; None without.
 
     Raises: Damaged.
@@ -87,7 +104,14 @@ def states_of(folder: Path, case: str) -> dict[str, Any] | None:
     content = disk.read(path)
     if not check_seal(path, content):
         raise Damaged(f"{path}: it has no checksum")
-    stored: dict[str, Any] = json.loads(content)
+    try:
+        stored = _MEASURED.validate_json(content)
+    except ValidationError as error:
+        first = error.errors()[0]
+        raise Damaged(f"{path}: {'.'.join(map(str, first['loc']))}: {first['msg']}") from None
+    lengths = {len(values) for values in stored["positions"].values()} - {len(stored["time"])}
+    if lengths or not stored["time"] or any(later <= earlier for earlier, later in pairwise(stored["time"])):
+        raise Damaged(f"{path}: time: expected rising times, and as many positions of each joint")
     return stored
 
 

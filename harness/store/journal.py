@@ -35,6 +35,13 @@ class DamagedFile(StoreError):
         self.path, self.what, self.cure = path, what, cure
 
 
+def refuse_links(folder: Path) -> None:
+    """A run writes to no place, and takes nothing away there, that somebody else has put behind a name. Raises: StoreError."""
+    for name in ("journal.jsonl", "trajectories", "truths", "recordings", "scenes", "logs"):
+        if (folder / name).is_symlink():
+            raise StoreError(f"{folder / name}: is a link, expected what it names in its place; nothing was written")
+
+
 class NoRun(StoreError):
     """What was asked for is not there: a run folder, a trial or a recording; the message says what there is."""
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import tomli_w
 
 from plumbline.harness.store import disk
-from plumbline.harness.store.journal import StoreError, read_written
+from plumbline.harness.store.journal import FolderTaken, StoreError, read_written
 from plumbline.harness.store.record import Record
 from plumbline.harness.store.seal import Damaged, require_seal, sealed_json, sealed_toml
 from plumbline.harness.store.store import Store
@@ -51,8 +51,11 @@ def published(folder: Path | None = None) -> Store:
 def publish(store: Store, folder: Path) -> int:
     """Write the dataset of a run folder; returns its bytes.
 
-    Raises: StoreError, where the run is not whole, or the dataset is larger than `MOST_BYTES`. OSError.
+    Raises: FolderTaken, where the folder holds a run. StoreError, where the run is not whole, or the dataset is larger than
+    `MOST_BYTES`. OSError.
     """
+    if (folder / "journal.jsonl").exists():
+        raise FolderTaken(f"{folder}: holds a run, which a dataset would be written over; choose another --out")
     if not store.machine.get("complete"):
         raise StoreError(f"{store.folder}: the run is not whole; go on with it by --resume")
     written = read_written(store.folder / "journal.jsonl")

@@ -104,6 +104,13 @@ def _files(page: Page, store: Store, others: Collection[str]) -> Iterator[tuple[
         yield name, file
 
 
+def _clear(path: Path) -> None:
+    """Take a folder away with what is in it; of a link, the link alone."""
+    if path.is_symlink():
+        path.unlink()
+    shutil.rmtree(path, ignore_errors=True)
+
+
 def write_report(folder: Path) -> WrittenReport:
     """Write `folder/report/`.
 
@@ -113,6 +120,7 @@ def write_report(folder: Path) -> WrittenReport:
     texts = {SCRIPT: script_file(failures), **_rendered(Store(folder), failures)}
     report, draft, old = (Path(folder) / name for name in ("report", f".report.{os.getpid()}", f".report.{os.getpid()}.old"))
     texts |= {f"style/{name}": (STYLE / name).read_text(encoding="utf-8") for name in ASSETS}
+    _clear(draft)
     try:
         for name, text in texts.items():
             path = draft / name
@@ -126,5 +134,5 @@ def write_report(folder: Path) -> WrittenReport:
         put_in_place(draft, report)
     finally:
         for leftover in (draft, old):
-            shutil.rmtree(leftover, ignore_errors=True)
+            _clear(leftover)
     return WrittenReport(report / FRONT, tuple(failures.values()))

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from plumbline.harness.store.disk import put_in_place
+from plumbline.harness.store.journal import refuse_links
 from plumbline.harness.store.record import digest
 from plumbline.harness.store.store import Store
 from plumbline.reports.recordings.blueprint import layout
@@ -37,6 +38,7 @@ def write_recordings(folder: Path, cases: Collection[str] | None = None) -> tupl
     import rerun as rr
 
     store = Store(folder)
+    refuse_links(store.folder)
     target = store.folder / "recordings"
     target.mkdir(parents=True, exist_ok=True)
     was_strict = rr.strict_mode()

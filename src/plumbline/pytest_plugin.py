@@ -10,7 +10,7 @@ what it is about, so that `-m "contact and not slow"` chooses:
 A check or scene that the engine refuses by name is skipped, a failure that its adapter declares is an expected one, and all
 else that does not pass fails with its reason. `--plumbline-known FILE` names tests that are known to fail, in a line each as
 pytest's summary has them: they are expected to fail, and one that passes is an error, so that an engine that improves is
-noticed. A case runs in a process of its own, a check in the process of pytest.
+noticed. Each runs in a process of its own.
 """
 
 from collections.abc import Iterator
@@ -78,10 +78,10 @@ class CheckItem(_Item):
         self._check = check
 
     def runtest(self) -> None:
-        """Put it to the engine."""
-        from plumbline.harness.conformance import run_check
+        """Put it to the engine, in a process that it may take down."""
+        from plumbline.harness.conformance.forked import outcome_of
 
-        outcome = run_check(self.adapter, self.track, self._check)
+        outcome = outcome_of(self.adapter, self.track, self._check)
         if outcome.status == "not_applicable":
             pytest.skip(outcome.message)
         if outcome.status == "known":
@@ -126,12 +126,14 @@ def _marks_of_case(case: "Case") -> tuple[str, ...]:
 
 def _known_failures(config: pytest.Config) -> dict[str, str]:
     """By the name of a test, why it is known to fail. Raises: UsageError."""
+    from plumbline.harness.intake.documents import InputError, read
+
     if (name := config.getoption("--plumbline-known")) is None:
         return {}
     try:
-        lines = Path(name).read_text(encoding="utf-8").splitlines()
-    except (OSError, UnicodeDecodeError) as error:
-        raise pytest.UsageError(f"--plumbline-known {name}: not readable: {error}") from None
+        lines = read(Path(name)).splitlines()
+    except InputError as error:
+        raise pytest.UsageError(f"--plumbline-known {error}") from None
     failures = {}
     for number, line in enumerate(lines, 1):
         text = line.partition("#")[0].strip().removeprefix("FAILED ")

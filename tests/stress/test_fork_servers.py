@@ -4,6 +4,7 @@ import os
 import signal
 import time
 from collections.abc import Iterator, Mapping
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from multiprocessing.connection import Connection
 from pathlib import Path
@@ -20,6 +21,7 @@ from tests.conftest import Command
 from tests.light_servers import light_servers
 from tests.stress.ledger import Page
 from tests.stress.test_interruption import start
+from tests.told_by_processes import end
 
 HEAD = """
 name = "servers"
@@ -130,10 +132,6 @@ def _nothing(_pipe: Connection) -> None:
     pass
 
 
-def _end(_pipe: Connection, code: int) -> None:
-    os._exit(code)
-
-
 def _sleep(_pipe: Connection) -> None:
     time.sleep(600)
 
@@ -156,7 +154,7 @@ def light() -> Iterator[None]:
 def test_a_fork_server_that_is_killed_has_a_successor(kind: str, light: None, ledger: Page) -> None:
     """Idle, and with a process whose end nobody can tell then; an exit code of the engine's own is no such end."""
     origin = ORIGINS[kind]
-    process = start_process(origin, _end, 255)
+    process = start_process(origin, end, 255)
     assert process.join(60.0)
     assert (process.code, process.lost) == (255, False)
     os.kill(process.server, signal.SIGKILL)
@@ -177,9 +175,33 @@ def test_a_fork_server_that_is_killed_has_a_successor(kind: str, light: None, le
         ledger.survived("fork servers", f"{kind}, killed {when}", "processes that could not start 0")
 
 
+def test_threads_that_order_at_once_lose_nothing_to_a_server_that_is_killed(light: None, ledger: Page) -> None:
+    """As those of a worker of a cluster do: each order has one answer, whoever finds the server dead."""
+    first = start_process(Origin(), _sleep)
+    with ThreadPoolExecutor(8) as threads:
+        orders = [threads.submit(start_process, Origin(), end, code) for code in range(20)]
+        os.kill(first.server, signal.SIGKILL)
+        orders += [threads.submit(start_process, Origin(), end, code) for code in range(20, 40)]
+        processes = [order.result(60.0) for order in orders]
+    assert all(process.join(60.0) for process in processes)
+    assert all(process.lost or process.code == code for code, process in enumerate(processes))
+    assert {process.server for process in processes if process.lost} <= {first.server}
+    assert list(fork_servers._servers) == [Origin()]
+    ledger.survived("fork servers", "killed while eight threads order", "orders without an answer 0")
+
+
+def test_a_server_of_ones_own_ends_with_its_process(light: None, ledger: Page) -> None:
+    process, other = start_process(ORIGINS["its own"], _sleep), start_process(ORIGINS["apart"], _sleep)
+    assert other.server != process.server
+    process.end()
+    assert not psutil.pid_exists(process.server)
+    assert list(fork_servers._servers) == [ORIGINS["apart"]]
+    ledger.survived("fork servers", "a server of one's own", "ends with its process")
+
+
 @pytest.mark.parametrize("code", [0, 1, 3, 255, -signal.SIGKILL, -signal.SIGSEGV])
 def test_how_a_process_ended_is_told_as_it_was(code: int, light: None, ledger: Page) -> None:
-    process = start_process(Origin(), _end, code) if code >= 0 else start_process(Origin(), _sleep)
+    process = start_process(Origin(), end, code) if code >= 0 else start_process(Origin(), _sleep)
     if code < 0:
         os.kill(process.pid, -code)
     assert process.join(60.0)

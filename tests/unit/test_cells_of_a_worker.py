@@ -2,7 +2,10 @@
 
 from collections import deque
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
+from pathlib import Path
+from threading import Barrier
 from types import SimpleNamespace
 from typing import Any, cast
 
@@ -47,6 +50,36 @@ def test_processes_of_a_cell_have_loaded_what_the_run_needs(trial: Trial, monkey
     assert set(MODULES) <= set(modules)
 
 
+def test_threads_of_a_worker_answer_at_once_each_in_a_folder_of_its_own(trial: Trial, monkeypatch: pytest.MonkeyPatch) -> None:
+    both, folders = Barrier(2, timeout=60), list[Path]()
+
+    def run_isolated(trials: Sequence[Trial], folder: Path, _workers: int, _foreseen: int) -> list[Any]:
+        (folder / "logs").mkdir()
+        (folder / "logs" / "a.log").write_text(folder.name)
+        folders.append(folder)
+        both.wait()
+        return [outcome(trial, "unsupported", "nothing was asked") for trial in trials]
+
+    monkeypatch.setattr(cells, "run_isolated", run_isolated)
+    with ThreadPoolExecutor(2) as threads:
+        answered = list(threads.map(cells.answer_cell, [trial, trial]))
+    assert len(set(folders)) == 2
+    assert not any(folder.exists() for folder in folders)
+    assert {answer.files["logs/a.log"] for answer in answered} == {folder.name.encode() for folder in folders}
+
+
+def test_a_truth_goes_to_each_run_once(trial: Trial, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A worker lives through several runs, and its truths with it."""
+
+    def run_isolated(trials: Sequence[Trial], folder: Path, _workers: int, _foreseen: int) -> list[Any]:
+        (folder / "truths" / "a.npz").write_bytes(b"states")
+        return [outcome(trial, "unsupported", "nothing was asked") for trial in trials]
+
+    monkeypatch.setattr(cells, "run_isolated", run_isolated)
+    sent = [cells.answer_cell(trial, run=run).files for run in ("first", "first", "second")]
+    assert sent == [{"truths/a.npz": b"states"}, {}, {"truths/a.npz": b"states"}]
+
+
 def test_a_worker_is_told_how_often_an_engine_will_come_and_what_is_to_be_loaded(trial: Trial) -> None:
     told: list[tuple[list[Trial], list[int], tuple[str, ...]]] = []
 
@@ -55,7 +88,8 @@ def test_a_worker_is_told_how_often_an_engine_will_come_and_what_is_to_be_loaded
         return [f"future {number}" for number in range(len(trials))]
 
     workplace = Workplace.__new__(Workplace)
-    workplace._client = SimpleNamespace(map=handed_out, nthreads=lambda: {"tcp://a": 1, "tcp://b": 1})
+    workplace._client = SimpleNamespace(map=handed_out, nthreads=lambda: {"tcp://a": 8, "tcp://b": 8})
+    workplace._run = "a run"
     workplace.expect(MODULES)
     waiting = deque(replace(trial, seed=seed).named() for seed in range(3))
     foreseen = {"bullet": 30}

@@ -300,7 +300,7 @@ class Mortal(Clocked):
     """A child that serves several trials and dies of one."""
 
     def __init__(self, answers: list[Sampling | Sample | str]) -> None:
-        self.answers, self.trouble, self.stopped, self.forsaken = answers, "", False, False
+        self.answers, self.trouble, self.stopped = answers, "", False
 
     def ask(self, number: int, block: int, sampling: Sampling) -> None:
         pass

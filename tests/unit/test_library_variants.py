@@ -12,7 +12,7 @@ import pytest
 from plumbline.harness.findings.tables.determinism import Agreement, agreements, broken
 from plumbline.harness.run import campaign, fork_servers
 from plumbline.harness.run.campaign import carry_out
-from plumbline.harness.run.fork_servers import Origin, end_varied, start
+from plumbline.harness.run.fork_servers import Origin, end_servers, start
 from plumbline.harness.run.isolated import run_isolated
 from plumbline.harness.store.store import Store
 from plumbline.harness.study import expansion, library_variants, plugins
@@ -58,12 +58,12 @@ def test_each_variable_acts_on_processes_that_are_born_with_it(light: None) -> N
     assert not {name for variant in possible for name, _ in variant.variables} & os.environ.keys()
 
 
-def test_servers_that_were_born_with_variables_are_ended_and_no_others(light: None) -> None:
+def test_servers_that_are_named_are_ended_and_no_others(light: None) -> None:
     varied = start(Origin(variables=(("SWAYED", "1"),)), id)
     other = start(Origin(number=1), id)
     assert varied.join(WAIT)
     assert other.join(WAIT)
-    end_varied()
+    end_servers([Origin(variables=(("SWAYED", "1"),)), Origin(number=2)])
     assert not psutil.pid_exists(varied.server)
     assert psutil.pid_exists(other.server)
     assert list(fork_servers._servers) == [Origin(number=1)]
@@ -135,6 +135,7 @@ def test_a_row_says_whether_bits_survive_a_variable(tmp_path: Path, monkeypatch:
     monkeypatch.setattr(expansion, "LIBRARY_VARIANTS", variants)
     monkeypatch.setattr(campaign, "run_isolated", run_isolated)  # other tests of this process may have it run in place
     rows = carried_out(tmp_path)
+    assert not [origin for origin in fork_servers._servers if origin.variables or origin.only]
     assert {way: rows[way].verdict for way in STAND_INS} == {
         "heeds nothing": "bit-identical",
         "rounds": "differs",

@@ -80,7 +80,7 @@ def test_a_csv_and_an_npz_say_the_same(tmp_path: Path) -> None:
         ),
         ({"time": np.arange(2.0), "knee": np.array(["a", "b"])}, "array 'knee'"),
         ({"time": np.array([0.0, 0.0]), "knee": np.zeros(2)}, "sample 1: column 'time': 0 after 0, expected a later time"),
-        ({"time": np.arange(2.0), "knee": np.array([0.0, np.nan])}, "sample 1: column 'knee': nan, expected a finite number"),
+        ({"time": np.arange(2.0), "knee": np.array([0.0, np.nan])}, "sample 1: column 'knee': nan, expected finite numbers"),
         ({"time": np.arange(2.0), "knee": np.zeros(2), "knee:position": np.zeros(2)}, "column 'knee:position' is twice there"),
     ],
 )

@@ -1,7 +1,7 @@
 """What a worker of a cluster does: one accuracy run in a process of its own, or one group of trials under the clock.
 
-What comes of it is handed back by value, files and all, so that worker and coordinator share no folder. A worker is asked for
-one thing at a time: what is started in a process belongs to that process, and the clock wants its machine for itself.
+What comes of it is handed back by value, files and all, so that worker and coordinator share no folder. Each thread of a worker
+answers a cell, all off one set of fork servers; what is clocked is clocked alone.
 """
 
 import random
@@ -23,7 +23,7 @@ from plumbline.harness.study import plugins
 from plumbline.harness.study.provenance import sources_of
 from plumbline.harness.study.trial import Trial
 
-_KEPT = ("trajectories", "truths", "logs")
+KEPT = ("trajectories", "truths", "logs")
 """Folders of a run folder that a worker's own may have something for."""
 
 
@@ -46,15 +46,24 @@ class Timed:
     timings: tuple[Mapping[str, Any], ...]
 
 
-_one_at_a_time = threading.Lock()
-_sent: set[str] = set()
-"""Truths that the coordinator has from here."""
+_asked_first = threading.Lock()
+"""Held while a cell is looked at, so that threads do not all make what is made once."""
+_clock = threading.Lock()
+_sent: set[tuple[str, str]] = set()
+"""Truths that each run has from here."""
 
 
 @cache
 def _scratch() -> Path:
-    """The worker's own run folder: truths that it has made stay for the next cells."""
+    """Where the worker's cells have their folders."""
     return Path(tempfile.mkdtemp(prefix="plumbline-worker-"))
+
+
+@cache
+def _truths() -> Path:
+    """Truths that the worker has made stay here for the next cells."""
+    (folder := _scratch() / "truths").mkdir()
+    return folder
 
 
 @cache
@@ -85,22 +94,29 @@ def _host() -> str:
     return socket.gethostname()
 
 
-def answer_cell(trial: Trial, foreseen: int = 0, modules: Sequence[str] = ()) -> Answered:
+def answer_cell(trial: Trial, foreseen: int = 0, modules: Sequence[str] = (), run: str = "") -> Answered:
     """The accuracy run of a trial.
 
-    Args: foreseen: trials of this engine that a worker of the run will have. modules: that all processes of the run need.
+    Args: foreseen: trials of this engine that a worker of the run will have. modules: that all processes of the run need. run:
+    which it is, of those that a worker lives through.
     Raises: OtherPlumbline.
     """
-    with _one_at_a_time:
+    with _asked_first:
         _agree(trial)
         expect(modules)
-        (record,) = run_isolated([trial], _scratch(), 1, foreseen)
-        return Answered(replace(record, answered_on=machine_digest(here())).plain(), _taken(_scratch()))
+        machine = machine_digest(here())
+        folder = Path(tempfile.mkdtemp(prefix="cell-", dir=_scratch()))
+        (folder / "truths").symlink_to(_truths())
+    try:
+        (record,) = run_isolated([trial], folder, 1, foreseen)
+        return Answered(replace(record, answered_on=machine).plain(), _taken(folder, run))
+    finally:
+        shutil.rmtree(folder)
 
 
 def clock_together(trials: tuple[Trial, ...], seed: int, modules: Sequence[str] = ()) -> Timed:
     """The timing runs of one group of trials, side by side on this machine. Args: modules: as above. Raises: OtherPlumbline."""
-    with _one_at_a_time:
+    with _clock:
         for trial in trials:
             _agree(trial)
         expect(modules)
@@ -108,16 +124,9 @@ def clock_together(trials: tuple[Trial, ...], seed: int, modules: Sequence[str] 
         return Timed(tuple(timing.plain() for timing in timings))
 
 
-def _taken(folder: Path) -> dict[str, bytes]:
-    """The files that are new, by their place; only truths stay here."""
-    files: dict[str, bytes] = {}
-    for path in (path for name in _KEPT for path in sorted((folder / name).glob("[!.]*"))):
-        place = path.relative_to(folder).as_posix()
-        if place not in _sent:
-            files[place] = path.read_bytes()
-        if path.parent.name == "truths":
-            _sent.add(place)
-        else:
-            path.unlink()
-    shutil.rmtree(folder / "logs", ignore_errors=True)
+def _taken(folder: Path, run: str) -> dict[str, bytes]:
+    """The files of a cell's folder by their place; of truths, which stay here, those that are new to the run."""
+    places = [path.relative_to(folder).as_posix() for name in KEPT for path in sorted((folder / name).glob("[!.]*"))]
+    files = {place: (folder / place).read_bytes() for place in places if (run, place) not in _sent}
+    _sent.update((run, place) for place in files if place.startswith("truths/"))
     return files

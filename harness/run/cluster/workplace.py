@@ -7,7 +7,9 @@ on one host, alone, and all groups of a run on hosts of one fingerprint.
 
 import logging
 import queue
+import re
 import time
+import uuid
 from collections import Counter, deque
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import CancelledError
@@ -16,7 +18,8 @@ from pathlib import Path
 from typing import Any
 
 from plumbline.harness.intake.error import PlumblineError
-from plumbline.harness.run.cluster.cells import Answered, OtherPlumbline, Timed, answer_cell, clock_together, here
+from plumbline.harness.intake.safe_text import quoted
+from plumbline.harness.run.cluster.cells import KEPT, Answered, OtherPlumbline, Timed, answer_cell, clock_together, here
 from plumbline.harness.run.interrupt import stop_if_asked
 from plumbline.harness.store import disk
 from plumbline.harness.store.journal import StoreError
@@ -32,10 +35,15 @@ _GONE = 15.0
 """Seconds without the scheduler after which it counts as gone."""
 _LISTENS = 0.5
 _AHEAD = 4
-"""Cells that are handed out for each worker: one at work, the others on their way."""
+"""Cells that are handed out for each thread of a worker: one at work, the others on their way."""
 _FEWEST = 64
+_LOOKS = ("profile", "profile-cycle", "tick", "monitor")
+"""What dask's processes do many times a second for its dashboard."""
 _LOSSES = 1
 """Workers that may be lost under a cell before it is given up: it runs elsewhere once."""
+
+
+_PLACE = re.compile(rf"({'|'.join(KEPT)})/[^./\\\0][^/\\\0]*")
 
 
 class NoScheduler(StoreError):
@@ -47,15 +55,20 @@ class NoDask(PlumblineError):
 
 
 def _lose_once(dask_scheduler: Any) -> None:
-    """Runs on the scheduler: cells whose worker is lost may run once more."""
+    """Runs on the scheduler: cells whose worker is lost may run once more; it does not look at itself either."""
     dask_scheduler.allowed_failures = _LOSSES
+    _end_looks(dask_scheduler)
 
 
 def _unwatched(dask_worker: Any) -> None:
-    """Runs on a worker: it no longer looks a hundred times a second at what it does, which costs a third of its CPU time."""
-    for name in ("profile", "profile-cycle"):
-        if name in dask_worker.periodic_callbacks:
-            dask_worker.periodic_callbacks[name].stop()
+    """Runs on a worker: it no longer looks at itself a hundred times a second, which costs a third of its CPU time."""
+    _end_looks(dask_worker)
+
+
+def _end_looks(server: Any) -> None:
+    for name in _LOOKS:
+        if name in server.periodic_callbacks:
+            server.periodic_callbacks[name].stop()
 
 
 class Workplace:
@@ -70,7 +83,7 @@ class Workplace:
             from distributed import Client
         except ImportError as error:
             raise NoDask(f"--scheduler: {error}; pip install 'plumbline[dask]'") from None
-        self.address, self._modules = address, tuple[str, ...]()
+        self.address, self._modules, self._run = address, tuple[str, ...](), uuid.uuid4().hex
         self._dask_is_quiet()
         try:
             connect: Any = Client
@@ -161,11 +174,12 @@ class Workplace:
         foreseen: Mapping[str, int],
     ) -> list[tuple[Any, Trial]]:
         """Some more cells, where there are few under way."""
-        most = at_once or max(_FEWEST, _AHEAD * len(self._client.nthreads())) if waiting else 0
+        threads = self._client.nthreads()
+        most = at_once or max(_FEWEST, _AHEAD * sum(threads.values())) if waiting else 0
         if under_way > most // 2:
             return []
         cells = [waiting.popleft() for _ in range(min(len(waiting), most - under_way))]
-        workers = max(1, len(self._client.nthreads()))
+        workers = max(1, len(threads))
         futures = self._client.map(
             answer,
             cells,
@@ -173,6 +187,7 @@ class Workplace:
             key=[f"cell-{cell.trial}" for cell in cells],
             batch_size=_FEWEST,
             modules=self._modules,
+            run=self._run,
         )
         return list(zip(futures, cells, strict=True))
 
@@ -263,6 +278,8 @@ def _host(worker: str) -> str:
 def _stored(answered: Answered, trial: Trial, folder: Path) -> Record:
     """The record of a cell, its files written first. Raises: OSError; StoreError, where a file came over damaged."""
     for place, content in answered.files.items():
+        if not _PLACE.fullmatch(place):
+            raise StoreError(f"a worker answered with a file at {quoted(place)}, expected one of a run folder's own")
         path = folder / place
         try:
             if path.suffix in (".npz", ".json"):

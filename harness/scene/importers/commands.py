@@ -2,14 +2,14 @@
 
 import csv
 import math
-import zipfile
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal, TypeAlias, get_args
 
 from plumbline.harness.intake.allowance import allowance, beyond
-from plumbline.harness.intake.documents import InputError, named, read
+from plumbline.harness.intake.documents import InputError, named, read, regular
+from plumbline.harness.intake.magnitude import wrong_size
 from plumbline.harness.intake.refusal import RobotError, listed
 from plumbline.harness.intake.safe_text import quoted
 from plumbline.harness.scene.motion import MOST_SAMPLES, Samples
@@ -53,8 +53,8 @@ def read_log(path: Path) -> Log:
         raise RobotError(f"{where}: {len(columns[0])} lines of numbers, expected 1 to {MOST_SAMPLES}")
     for name, column in zip(names, columns, strict=True):
         for k, value in enumerate(column):
-            if not math.isfinite(value):
-                raise RobotError(f"{where}: {line(k)}: column {quoted(name, 80)}: {value}, expected a finite number")
+            if expected := wrong_size(value):
+                raise RobotError(f"{where}: {line(k)}: column {quoted(name, 80)}: {value:g}, {expected}")
     times = columns[0]
     for k in range(1, len(times)):
         if times[k] <= times[k - 1]:
@@ -91,6 +91,7 @@ def _of_arrays(path: Path, where: str) -> _Columns:
     import numpy as np
 
     try:
+        regular(path)
         if path.stat().st_size > allowance().bytes:
             most = allowance().bytes
             raise RobotError(f"{where}: {path.stat().st_size} bytes, expected at most {most}; --limit bytes=N takes more")
@@ -98,7 +99,11 @@ def _of_arrays(path: Path, where: str) -> _Columns:
             if excess := beyond("parts", sum(info.file_size for info in file.zip.infolist()) // 8, "numbers"):
                 raise RobotError(f"{where}: {excess}")
             arrays = {name: np.asarray(file[name]) for name in file.files}
-    except (OSError, ValueError, EOFError, zipfile.BadZipFile, KeyError, AttributeError) as error:
+    except RobotError:
+        raise
+    except InputError as error:
+        raise RobotError(str(error)) from None
+    except Exception as error:  # whatever zip files and heads of arrays can be made to raise, want of memory among it
         raise RobotError(f"{where}: no npz of plain arrays: {error}") from None
     names = _header([TIME, *(name for name in arrays if name != TIME)] if TIME in arrays else list(arrays) or [""], where)
     for name in names:

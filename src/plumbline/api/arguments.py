@@ -1,8 +1,10 @@
 """The door of the interface: arguments are of the kinds that a function's annotations say, or are refused by name and value."""
 
+import os
 from collections.abc import Callable, Mapping
 from functools import cache, wraps
 from inspect import Parameter, formatannotation, signature
+from os import PathLike
 from typing import Any, TypeVar, get_type_hints
 
 import numpy as np
@@ -45,6 +47,10 @@ def checked(function: Call) -> Call:
                 continue
             value = bound.arguments[name]
             bound.arguments[name] = value.item() if isinstance(value, np.generic) else value
+            if isinstance(value, str | PathLike) and not _can_be_a_name(value):
+                raise ArgumentError(
+                    f"{function.__name__}: {name}: {quoted(str(value), 80)}, expected what a file can be called"
+                )
             try:
                 form.validate_python(bound.arguments[name], strict=True)
             except ValidationError:
@@ -52,6 +58,11 @@ def checked(function: Call) -> Call:
         return function(*bound.args, **bound.kwargs)
 
     return call  # type: ignore[return-value]
+
+
+def _can_be_a_name(value: "str | PathLike[str]") -> bool:
+    parts = os.fsencode(value).split(b"/")
+    return not any(b"\0" in part or len(part) > 255 for part in parts)
 
 
 def within(name: str, value: float | None, low: float, high: float) -> None:

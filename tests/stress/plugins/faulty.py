@@ -123,7 +123,7 @@ class Falling:
         elif self._fault == "slow":
             time.sleep(0.4)
         elif self._fault == "work":
-            busy_for(2.5)
+            busy_for(2.1)
         elif self._fault == "patricide":
             os.kill(os.getppid(), signal.SIGKILL)
             time.sleep(60)

@@ -1,0 +1,61 @@
+"""One conformance check in a process off a fork server: an engine that ends its process, or hangs, fails that check alone."""
+
+import dataclasses
+import os
+from multiprocessing.connection import Connection
+from typing import Literal
+
+from plumbline.harness.adapter import Adapter
+from plumbline.harness.conformance.apart import LONGEST
+from plumbline.harness.conformance.catalogue import CHECKS
+from plumbline.harness.conformance.check import ConformanceCheck
+from plumbline.harness.conformance.outcomes import Outcome, run_check
+from plumbline.harness.intake.bounded import limit_files, named_signal
+from plumbline.harness.intake.deadline import Deadline
+from plumbline.harness.run.fork_servers import WORTH_A_SERVER, expect, loaded, start
+from plumbline.harness.run.message import BrokenMessage, Inbox, read_value, send
+from plumbline.harness.study import plugins
+
+_LISTENS = 1.0
+"""Seconds between looks at its deadline."""
+
+
+def outcome_of(adapter: Adapter, track: Literal["default", "tuned"], check: ConformanceCheck) -> Outcome:
+    """What the check found, or that its process ended without a word, in how many seconds of CPU time it may."""
+    expect([__name__])
+    process = start(loaded(adapter.loads, WORTH_A_SERVER), _put, adapter.name, track, check.name)
+    inbox, deadline = Inbox(process.pipe), Deadline(process.pid, LONGEST + adapter.compile_allowance)
+    try:
+        while (message := inbox.next(_LISTENS)) is None:
+            if late := deadline.passed():
+                return _failed(adapter, track, check, f"did not end within {LONGEST + adapter.compile_allowance:g} s, {late}")
+        outcome: Outcome = read_value(Outcome, message[1])
+        return outcome
+    except EOFError:
+        code = process.exit_code()
+        how = f"was killed by {named_signal(-code)}" if code is not None and code < 0 else f"ended with exit code {code}"
+        return _failed(adapter, track, check, how)
+    except BrokenMessage as error:
+        return _failed(adapter, track, check, f"said what is no outcome: {error}")
+    finally:
+        process.end()
+        inbox.pipe.close()
+
+
+def _failed(adapter: Adapter, track: str, check: ConformanceCheck, how: str) -> Outcome:
+    return Outcome(
+        engine=adapter.name,
+        track=track,
+        check=check.name,
+        question=check.question,
+        status="failed",
+        message=f"the process of the check {how}",
+    )
+
+
+def _put(pipe: Connection, name: str, track: Literal["default", "tuned"], check: str) -> None:
+    """Put a check to an engine, and tell what it found."""
+    os.setpgid(0, 0)  # what it starts ends with it
+    limit_files()
+    kit = {each.name: each for each in CHECKS}
+    send(pipe, "outcome", dataclasses.asdict(run_check(plugins.adapter(name), track, kit[check])))

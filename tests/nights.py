@@ -16,7 +16,8 @@ from plumbline.harness.findings.summary import write_summary
 from plumbline.harness.history import night_policy
 from plumbline.harness.history.changes_since import News
 from plumbline.harness.history.folder import History, Night, created
-from plumbline.harness.history.night import Asked, accounted, carry_out_night, close, compared, night_to_do
+from plumbline.harness.history.night import accounted, carry_out_night, close, compared, night_to_do
+from plumbline.harness.history.night_policy import Asked
 from plumbline.harness.run import campaign
 from plumbline.harness.scene import Scene
 from plumbline.harness.store.record import Record
@@ -200,7 +201,7 @@ def night(root: Path, what: Asked | None = None) -> tuple[Night, News | None, di
     what = what or asked()
     done = carry_out_night(history, what, night_to_do(history, what))
     write_summary(done.store)
-    news = compared(history, done)
-    account = accounted(history, done, news, 0.0)
+    news = compared(done)
+    account = accounted(done, news, 0.0)
     close(done.night, account)
     return done.night, news, account

@@ -148,7 +148,7 @@ def _compared(store: Store, before: Sequence[Night], blocks: Mapping[Key, str]) 
 def _of_cells(store: Store, night: Night, wanted: Wanted) -> Changes:
     """What differs from a night in these cells, or in these trials of them."""
     keys = {cell[:2] for cell in wanted}
-    return compare(night.store_of(keys), store.part(keys), lambda row: _is_among(row, wanted))
+    return compare(night.store(keys), store.part(keys), lambda row: _is_among(row, wanted))
 
 
 def _counted_already(difference: Changes) -> Changes:

@@ -51,10 +51,10 @@ class Night:
     def plan(self) -> Mapping[str, Any]:
         """What `night.json` says; nothing where it was never written. Raises: DamagedFile, StoreError."""
         path = self.folder / NIGHT
-        if os.path.lexists(path) and not path.is_file():
-            raise DamagedFile(path, "is no file", "restore it")
-        status = path.stat() if path.is_file() else None
-        return _plan(path, None if status is None else (status.st_size, status.st_mtime_ns, status.st_ino))
+        if not path.is_file():
+            return _readable(path)
+        status = path.stat()
+        return _plan(path, (status.st_size, status.st_mtime_ns, status.st_ino))
 
     @property
     def whole(self) -> bool:
@@ -81,13 +81,9 @@ class Night:
             return DamagedFile(self.folder / NIGHT, str(error), _DELETE)
         return None
 
-    def store(self) -> Store:
-        """Its tables. Raises: NoRun."""
-        return Store(self.folder)
-
-    def store_of(self, blocks: Collection[tuple[str, str]]) -> Store:
-        """The tables of these experiments and cases alone. Raises: NoRun."""
-        return Store(self.folder, only=blocks)
+    def store(self, only: Collection[tuple[str, str]] | None = None) -> Store:
+        """Its tables. Args: only: of these experiments and cases; None for all. Raises: NoRun."""
+        return Store(self.folder, only=only)
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,7 +133,7 @@ class History:
 
 
 @lru_cache(maxsize=256)
-def _plan(path: Path, _status: tuple[int, int, int] | None) -> Mapping[str, Any]:
+def _plan(path: Path, _status: tuple[int, int, int]) -> Mapping[str, Any]:
     """Read once as long as it is the same file."""
     return _readable(path)
 

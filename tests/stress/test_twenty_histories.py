@@ -15,7 +15,7 @@ import pytest
 
 from plumbline.harness.history.folder import opened
 from plumbline.harness.history.gate import reasons, without_answers
-from plumbline.harness.history.night import Asked
+from plumbline.harness.history.night_policy import Asked
 from plumbline.harness.history.sentences import open_since
 from plumbline.harness.run import campaign
 from plumbline.harness.store.record import Record

@@ -219,12 +219,12 @@ def _write_summary(
     history: "History", done: "Steering", news: "News | None", account: dict[str, Any], findings: Sequence[str]
 ) -> Path:
     """What changed, for people. Returns: summary.md."""
-    from plumbline.harness.history.acknowledged import acknowledged
+    from plumbline.harness.history.identity import acknowledged
     from plumbline.harness.history.sentences import open_since, summary
     from plumbline.harness.store.disk import write_atomically
 
     plans = [night.plan for night in history.whole_nights() if night != done.night]
-    standing = open_since(plans, acknowledged(history), () if news is None else news.ended, account["told"])
+    standing = open_since(plans, acknowledged(history)[0], () if news is None else news.ended, account["told"])
     path = done.night.folder / "changes" / "summary.md"
     write_atomically(path, summary(news, account, standing, findings).encode())
     return path

@@ -12,10 +12,9 @@ from typing import Any, TypeAlias
 from plumbline.harness.findings.changes import Change, Changes, Judged, compare
 from plumbline.harness.findings.changes.matching import LOST, where_of
 from plumbline.harness.findings.changes.weights import heaviest_first
-from plumbline.harness.history.acknowledged import silenced
 from plumbline.harness.history.blocks import Key, SeenCell, cell_of, seen_cells, sights_of
 from plumbline.harness.history.folder import Night
-from plumbline.harness.history.identity import Named, change_id
+from plumbline.harness.history.identity import Named, change_id, silenced
 from plumbline.harness.history.regressions import Dated
 from plumbline.harness.store.journal import DamagedFile
 from plumbline.harness.store.store import Store

@@ -97,16 +97,6 @@ class History:
         """The folder of answers."""
         return self.root / "pool"
 
-    @property
-    def lock(self) -> Path:
-        """The file that a night holds while it runs."""
-        return self.root / "lock"
-
-    @property
-    def acknowledgements(self) -> Path:
-        """The changes that somebody has seen, one a line."""
-        return self.root / "acknowledged.jsonl"
-
     def night(self, stamp: str) -> Night:
         """The night of that name, whether it is there or not."""
         return Night(stamp, self.root / "nights" / stamp)

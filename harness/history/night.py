@@ -8,11 +8,11 @@ from typing import Any
 
 from plumbline.harness.findings.changes import Change
 from plumbline.harness.findings.summary import SUMMARIES
-from plumbline.harness.history.acknowledged import acknowledged, read_acknowledged
 from plumbline.harness.history.blocks import cells_of, last_seen
 from plumbline.harness.history.budget import bytes_of, memory_peaks
 from plumbline.harness.history.changes_since import News, news_of
 from plumbline.harness.history.folder import NIGHT, History, Night, stamp_of
+from plumbline.harness.history.identity import acknowledged
 from plumbline.harness.history.listing import counted
 from plumbline.harness.history.night_policy import Asked, Steering
 from plumbline.harness.history.regressions import Dated
@@ -100,7 +100,7 @@ def _without_idle_logs(night: Night, recorded: set[str]) -> None:
 
 def compared(done: Steering) -> News | None:
     """What changed since each block was last seen; None where nothing of the night was seen before. Raises: StoreError."""
-    known = acknowledged(done.history)
+    known = acknowledged(done.history)[0]
 
     def over(rows: Sequence[Change]) -> Sequence[Dated]:
         left = done.budget.seconds - done.budget.taken()
@@ -112,7 +112,7 @@ def compared(done: Steering) -> News | None:
 
 def accounted(done: Steering, news: News | None, closing: float) -> dict[str, Any]:
     """What the night's own file says when it is whole. Args: closing [s]: what tables and report took. Raises: StoreError."""
-    night, unread = done.night, (*done.history.unread(), *read_acknowledged(done.history)[1], *done.unread)
+    night, unread = done.night, (*done.history.unread(), *acknowledged(done.history)[1], *done.unread)
     trials, rows = done.store.trials, () if news is None else news.changes.rows
     where = {row.trial: (row.experiment, row.case) for row in trials.itertuples()}
     clocked = trials[trials["cpu_per_unit"] > 0]

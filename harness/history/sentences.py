@@ -9,10 +9,9 @@ from plumbline.harness.findings.changes import Change, Changes
 from plumbline.harness.findings.changes.answers import as_good
 from plumbline.harness.findings.changes.comment import comment
 from plumbline.harness.findings.changes.words import command, headline, judged_in_short, sentence
-from plumbline.harness.history.acknowledged import silenced
 from plumbline.harness.history.changes_since import News
 from plumbline.harness.history.gate import counted, without_answers
-from plumbline.harness.history.identity import Named, change_id
+from plumbline.harness.history.identity import Named, change_id, silenced
 from plumbline.harness.intake.safe_text import markdown_cell
 
 _FIRST = 8

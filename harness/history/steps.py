@@ -26,9 +26,8 @@ from plumbline.harness.findings.changes.values import Beside
 from plumbline.harness.findings.limits_found import Search
 from plumbline.harness.findings.tables.determinism import Agreement
 from plumbline.harness.history.folder import Night
-from plumbline.harness.history.normalisation import over_segments
 from plumbline.harness.history.readings import EXACT, answer_key
-from plumbline.harness.history.series import Series
+from plumbline.harness.history.series import Series, over_segments
 from plumbline.harness.statistics.change_points import FEWEST, ChangePoint, change_points, common_mode, levelled
 from plumbline.harness.trajectory import Floats
 

@@ -10,9 +10,9 @@ from dataclasses import dataclass, field, replace
 from typing import Any, TypeAlias
 
 from plumbline.harness.findings.changes import Change, Changes, Judged, compare
-from plumbline.harness.findings.changes.matching import LOST, where_of
+from plumbline.harness.findings.changes.matching import where_of
 from plumbline.harness.findings.changes.weights import heaviest_first
-from plumbline.harness.history.blocks import Key, SeenCell, cell_of, seen_cells, sights_of
+from plumbline.harness.history.blocks import Key, SeenCell, cell_of, seen_cells
 from plumbline.harness.history.folder import Night
 from plumbline.harness.history.identity import Named, change_id, silenced
 from plumbline.harness.history.regressions import Dated
@@ -48,19 +48,19 @@ def news_of(
     store: Store,
     stamp: str,
     before: Sequence[Night],
-    blocks: Mapping[Key, str],
+    blocks: Collection[Key],
     known: Mapping[str, Named],
     earlier: Mapping[str, str],
     over: Callable[[Sequence[Change]], Sequence[Dated]] = lambda _rows: (),
 ) -> News | None:
     """What changed in a night; None where nothing of it was seen before.
 
-    Args: store, stamp: of the night. before: whole nights, the earliest first. blocks: that it carried out, with their digests.
+    Args: store, stamp: of the night. before: whole nights, the earliest first. blocks: that it carried out.
     known: what was acknowledged. earlier: first nights of changes that last, by what they are called without one.
     over: of what the night tells by itself, what all nights tell beside it.
     Raises: StoreError.
     """
-    differences, recalled = _compared(store, before, blocks)
+    differences = _compared(store, before, blocks)
     if not differences:
         return None
     others = {row.trial_b: row for row in _disagreements(store)}
@@ -74,17 +74,13 @@ def news_of(
     told = [row for row in every if silenced(Named.of(row, since[row]), known, stamps) is None]
     dated = over(every)
     fresh = {heaviest_first([change.first])[0]: change.stamp for change in dated if change.state == "open"}
-    judged = [difference.judged for difference in differences] + [
-        {row.engine: Judged(answers=int(row.status not in LOST), all_answers=1)}
-        for row in recalled
-        if row.status != "unsupported"
-    ]
+    judged = [difference.judged for difference in differences]
     changes = replace(
         differences[0],
         b=replace(differences[0].b, trials=len(store.trials)),
         rows=heaviest_first([*told, *fresh]),
-        matched=sum(difference.matched for difference in differences) + len(recalled),
-        same=sum(difference.same for difference in differences) + sum(isinstance(row.trajectory_hash, str) for row in recalled),
+        matched=sum(difference.matched for difference in differences),
+        same=sum(difference.same for difference in differences),
         clocked=sum(difference.clocked for difference in differences),
         unread=tuple(dict.fromkeys(text for difference in differences for text in difference.unread)),
         judged={
@@ -100,34 +96,30 @@ def news_of(
     )
 
 
-def _compared(store: Store, before: Sequence[Night], blocks: Mapping[Key, str]) -> tuple[list[Changes], list[Any]]:
+def _compared(store: Store, before: Sequence[Night], blocks: Collection[Key]) -> list[Changes]:
     """Each cell of tonight against the last night that saw it, the latest night first; what that one had lost, against those
-    before it. Returns: what differs, and rows of the table `trials` that were recalled and are the same as then."""
+    before it."""
     rows: dict[SeenCell, list[Any]] = {}
     for row in store.trials.itertuples():
         if (row.experiment, row.case) in blocks:
             rows.setdefault(cell_of(row), []).append(row)
     waiting: dict[SeenCell, Collection[str] | None] = dict.fromkeys(rows)
-    fresh, differences, recalled = _with_news(store), list[Changes](), dict[SeenCell, Night]()
-    looked_at = Counter[SeenCell]()
+    differences, looked_at = list[Changes](), Counter[SeenCell]()
     for night in reversed(before):
         try:
             seen = seen_cells(night)
-            then = {sight.key: sight.digest for sight in sights_of(night)}
             # Where all was lost then, too, there is nothing that what was lost since could be compared with.
             cells = [
                 cell
                 for cell in seen
                 if cell in waiting and (waiting[cell] is None or seen[cell]["lost"] < seen[cell]["trials"])
             ]
-            same = [cell for cell in cells if cell[:2] not in fresh and then[cell[:2]] == blocks[cell[:2]]]
             again: Wanted = {cell: waiting[cell] for cell in cells if waiting[cell] is not None}
-            first: Wanted = {cell: None for cell in cells if cell not in again and cell not in same}
+            first: Wanted = {cell: None for cell in cells if cell not in again}
             compared = [(wanted, _of_cells(store, night, wanted)) for wanted in (first, again) if wanted]
         except DamagedFile as error:
             print(f"{error}; what it said is left out", file=sys.stderr)
             continue
-        recalled |= dict.fromkeys((cell for cell in same if cell not in again), night)
         differences += [difference if wanted is first else _counted_already(difference) for wanted, difference in compared]
         looked_at.update(cells)
         for cell in cells:
@@ -138,10 +130,7 @@ def _compared(store: Store, before: Sequence[Night], blocks: Mapping[Key, str]) 
                 del waiting[cell]
         if not waiting:
             break
-    if recalled and not differences:  # what is the same as then says whom it was compared with
-        cell, night = recalled.popitem()
-        differences = [_of_cells(store, night, {cell: None})]
-    return differences, [row for cell in recalled for row in rows[cell]]
+    return differences
 
 
 def _of_cells(store: Store, night: Night, wanted: Wanted) -> Changes:
@@ -161,14 +150,6 @@ def _is_among(row: Any, wanted: Wanted) -> bool:
     cell = cell_of(row)
     trials = wanted.get(cell)
     return cell in wanted and (trials is None or row.trial in trials)
-
-
-def _with_news(store: Store) -> set[Key]:
-    """The blocks in which anything was answered for the first time, answered otherwise, or clocked: all else was recalled."""
-    trials = store.trials
-    fresh = (trials["recalled"] == "") & (trials["again"] != trials["trajectory_hash"].fillna(trials["status"]))
-    rows = trials[fresh | (trials["cpu_per_unit"] > 0)]
-    return {*zip(rows["experiment"], rows["case"], strict=True)}
 
 
 def _left_aside(row: Change, disagreements: Mapping[str, Change]) -> bool:

@@ -106,8 +106,7 @@ def compared(done: Steering) -> News | None:
         left = done.budget.seconds - done.budget.taken()
         return over_nights(done.history, done.before, done.night, done.store, known, rows, left)
 
-    blocks = {block.key: block.digest for block in done.blocks if block.key in done.done}
-    return news_of(done.store, done.night.stamp, done.before, blocks, known, _first_told(done.history), over)
+    return news_of(done.store, done.night.stamp, done.before, done.done, known, _first_told(done.history), over)
 
 
 def accounted(done: Steering, news: News | None, closing: float) -> dict[str, Any]:

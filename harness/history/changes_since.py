@@ -5,9 +5,9 @@ An answer that the night before had lost is compared with the last one that ther
 
 import sys
 from collections import Counter
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, TypeAlias
+from typing import Any
 
 from plumbline.harness.findings.changes import Change, Changes, Judged, compare
 from plumbline.harness.findings.changes.matching import where_of
@@ -16,14 +16,13 @@ from plumbline.harness.history.blocks import Key, SeenCell, cell_of, seen_cells
 from plumbline.harness.history.folder import Night
 from plumbline.harness.history.identity import Named, change_id, silenced
 from plumbline.harness.history.regressions import Dated
+from plumbline.harness.history.slow_drift import crept
 from plumbline.harness.store.journal import DamagedFile
 from plumbline.harness.store.store import Store
 
 EARLIER = 3
 """Nights up to which back a question is looked for that the last night to see its cell was not asked: a narrower study may have
 come in between."""
-Wanted: TypeAlias = Mapping[SeenCell, Collection[str] | None]
-"""Cells that are compared: all of each for None, or some of its trials."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,6 +68,7 @@ def news_of(
             [*(row for difference in differences for row in difference.rows if not _left_aside(row, others)), *others.values()]
         )
     )
+    every = heaviest_first([*every, *crept(store, before, every)])
     stamps = [*(night.stamp for night in before), stamp]
     since = {row: earlier.get(change_id(row, ""), stamp) for row in every}
     told = [row for row in every if silenced(Named.of(row, since[row]), known, stamps) is None]
@@ -98,58 +98,76 @@ def news_of(
 
 def _compared(store: Store, before: Sequence[Night], blocks: Collection[Key]) -> list[Changes]:
     """Each cell of tonight against the last night that saw it, the latest night first; what that one had lost, against those
-    before it."""
-    rows: dict[SeenCell, list[Any]] = {}
-    for row in store.trials.itertuples():
-        if (row.experiment, row.case) in blocks:
-            rows.setdefault(cell_of(row), []).append(row)
-    waiting: dict[SeenCell, Collection[str] | None] = dict.fromkeys(rows)
-    differences, looked_at = list[Changes](), Counter[SeenCell]()
+    before it; and what was never asked under its name, against the last night that asked the same under another.
+
+    What has no like at all could not be judged, and counts as that.
+    """
+    unpaired = {str(row.trial): row for row in store.trials.itertuples() if (row.experiment, row.case) in blocks}
+    differences = [*_looked_back(store, before, unpaired), *_looked_back(store, before, unpaired, renamed=True)]
+    judged: dict[str, Judged] = {}
+    for row in unpaired.values():
+        if row.round == 0 and row.status != "unsupported":
+            new = Judged(all_answers=1, all_prices=int(row.cpu_per_unit is not None and row.cpu_per_unit > 0))
+            judged[str(row.engine)] = judged.get(str(row.engine), Judged()) + new
+    return differences and [*differences, replace(differences[0], rows=(), matched=0, same=0, clocked=0, judged=judged)]
+
+
+def _looked_back(
+    store: Store, before: Sequence[Night], unpaired: dict[str, Any], *, renamed: bool = False
+) -> Iterator[Changes]:
+    """What differs from each night back.
+
+    Args: unpaired: rows of tonight by trial; those with a like go out of it. renamed: whatever study and experiment asked it.
+    """
+
+    def asked(cell: SeenCell) -> tuple[str, ...]:
+        return cell[1:4] if renamed else cell
+
+    waiting: dict[tuple[str, ...], set[str]] = {}
+    for trial, row in unpaired.items():
+        waiting.setdefault(asked(cell_of(row)), set()).add(trial)
+    looked_at, rows = Counter[tuple[str, ...]](), dict(unpaired)
     for night in reversed(before):
+        there: dict[tuple[str, ...], set[Key]] = {}
+        compared: list[tuple[bool, Changes]] = []
         try:
-            seen = seen_cells(night)
-            # Where all was lost then, too, there is nothing that what was lost since could be compared with.
-            cells = [
-                cell
-                for cell in seen
-                if cell in waiting and (waiting[cell] is None or seen[cell]["lost"] < seen[cell]["trials"])
-            ]
-            again: Wanted = {cell: waiting[cell] for cell in cells if waiting[cell] is not None}
-            first: Wanted = {cell: None for cell in cells if cell not in again}
-            compared = [(wanted, _of_cells(store, night, wanted)) for wanted in (first, again) if wanted]
+            for cell, saw in seen_cells(night).items():
+                question = asked(cell)
+                # Where all was lost then, too, there is nothing that what was lost since could be compared with.
+                if question in waiting and (not looked_at[question] or saw["lost"] < saw["trials"]):
+                    there.setdefault(question, set()).add(cell[:2])
+            for again in (False, True):
+                mine = [question for question in there if bool(looked_at[question]) == again]
+                if wanted := {trial for question in mine for trial in waiting[question]}:
+                    then = night.store({key for question in mine for key in there[question]})
+                    now = store.part({(rows[trial].experiment, rows[trial].case) for trial in wanted})
+                    difference = compare(then, now, _among(wanted), renamed=renamed)
+                    compared.append((again, difference))
+                    for trial in wanted - {*difference.new}:
+                        unpaired.pop(trial, None)
         except DamagedFile as error:
             print(f"{error}; what it said is left out", file=sys.stderr)
             continue
-        differences += [difference if wanted is first else _counted_already(difference) for wanted, difference in compared]
-        looked_at.update(cells)
-        for cell in cells:
-            lost = {trial for _, difference in compared for trial in difference.regained}
-            lost |= {trial for _, difference in compared for trial in difference.new if looked_at[cell] <= EARLIER}
-            waiting[cell] = lost & {row.trial for row in rows[cell]}
-            if not waiting[cell]:
-                del waiting[cell]
+        yield from (_counted_already(each) if again else each for again, each in compared if each.matched or not renamed)
+        looked_at.update(there.keys())
+        lost = {trial for _, difference in compared for trial in difference.regained}
+        new = {trial for _, difference in compared for trial in difference.new}
+        for question in there:
+            waiting[question] &= lost | new if looked_at[question] <= EARLIER else lost
+        waiting = {question: trials for question, trials in waiting.items() if trials}
         if not waiting:
-            break
-    return differences
+            return
 
 
-def _of_cells(store: Store, night: Night, wanted: Wanted) -> Changes:
-    """What differs from a night in these cells, or in these trials of them."""
-    keys = {cell[:2] for cell in wanted}
-    return compare(night.store(keys), store.part(keys), lambda row: _is_among(row, wanted))
+def _among(trials: Collection[str]) -> Callable[[Any], bool]:
+    """Is a row of the table `trials` one of these?"""
+    return lambda row: row.trial in trials
 
 
 def _counted_already(difference: Changes) -> Changes:
     """Differences without the counts of what an earlier one has counted: it adds what could be judged after all."""
     judged = {engine: replace(each, all_answers=0) for engine, each in difference.judged.items()}
     return replace(difference, matched=0, judged=judged)
-
-
-def _is_among(row: Any, wanted: Wanted) -> bool:
-    """Is a trial of these cells, or of these trials of a cell?"""
-    cell = cell_of(row)
-    trials = wanted.get(cell)
-    return cell in wanted and (trials is None or row.trial in trials)
 
 
 def _left_aside(row: Change, disagreements: Mapping[str, Change]) -> bool:

@@ -18,6 +18,7 @@ from plumbline.harness.history.identity import Named, change_id, silenced
 from plumbline.harness.history.regressions import Dated
 from plumbline.harness.history.slow_drift import crept
 from plumbline.harness.store.journal import DamagedFile
+from plumbline.harness.store.machine_fingerprint import machine_digest
 from plumbline.harness.store.store import Store
 
 EARLIER = 3
@@ -100,16 +101,40 @@ def _compared(store: Store, before: Sequence[Night], blocks: Collection[Key]) ->
     """Each cell of tonight against the last night that saw it, the latest night first; what that one had lost, against those
     before it; and what was never asked under its name, against the last night that asked the same under another.
 
-    What has no like at all could not be judged, and counts as that.
+    What has no like at all could not be judged, and counts as that. Prices are those of the last night on this machine.
     """
-    unpaired = {str(row.trial): row for row in store.trials.itertuples() if (row.experiment, row.case) in blocks}
+    every = {str(row.trial): row for row in store.trials.itertuples() if (row.experiment, row.case) in blocks}
+    unpaired = dict(every)
     differences = [*_looked_back(store, before, unpaired), *_looked_back(store, before, unpaired, renamed=True)]
+    here = machine_digest(store.machine)
+    unpriced = unpaired
+    if any(difference.a.machine != here for difference in differences):
+        unpriced = {trial: row for trial, row in every.items() if _clocked(row)}
+        alone = _looked_back(store, [night for night in before if night.machine == here], unpriced)
+        differences = [*map(_without_prices, differences), *map(_prices_alone, alone)]
     judged: dict[str, Judged] = {}
-    for row in unpaired.values():
+    for trial, row in every.items():
         if row.round == 0 and row.status != "unsupported":
-            new = Judged(all_answers=1, all_prices=int(row.cpu_per_unit is not None and row.cpu_per_unit > 0))
+            new = Judged(all_answers=int(trial in unpaired), all_prices=int(trial in unpriced and _clocked(row)))
             judged[str(row.engine)] = judged.get(str(row.engine), Judged()) + new
     return differences and [*differences, replace(differences[0], rows=(), matched=0, same=0, clocked=0, judged=judged)]
+
+
+def _clocked(row: Any) -> bool:
+    return row.cpu_per_unit is not None and row.cpu_per_unit > 0
+
+
+def _without_prices(difference: Changes) -> Changes:
+    """Of another machine only answers can be compared."""
+    judged = {engine: replace(each, prices=0, all_prices=0) for engine, each in difference.judged.items()}
+    return replace(difference, rows=tuple(row for row in difference.rows if row.kind != "price"), clocked=0, judged=judged)
+
+
+def _prices_alone(difference: Changes) -> Changes:
+    """The prices of an earlier night on this machine, where answers are compared with another one's."""
+    judged = {engine: replace(each, answers=0, all_answers=0) for engine, each in difference.judged.items()}
+    rows = tuple(row for row in difference.rows if row.kind == "price")
+    return replace(difference, rows=rows, matched=0, same=0, judged=judged)
 
 
 def _looked_back(

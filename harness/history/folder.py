@@ -11,6 +11,7 @@ from typing import Any
 
 from plumbline.harness.store import disk
 from plumbline.harness.store.journal import DamagedFile, NoRun, StoreError
+from plumbline.harness.store.machine_fingerprint import machine_digest
 from plumbline.harness.store.store import Store, read_plain, write_json
 
 SCHEMA = 1
@@ -60,6 +61,14 @@ class Night:
     def whole(self) -> bool:
         """Did it come to its end? Raises: DamagedFile."""
         return bool(self.plan.get("complete"))
+
+    @property
+    def machine(self) -> str:
+        """The digest of the machine that it ran on; '' where nothing says so."""
+        try:
+            return machine_digest(self.store().machine)
+        except StoreError:
+            return ""
 
     def unread(self) -> DamagedFile | None:
         """Why it cannot be used as a night, but for what its journal holds; None where it can."""

@@ -22,6 +22,7 @@ from plumbline.harness.history.regressions import Dated, date, named_by
 from plumbline.harness.history.series import series_of
 from plumbline.harness.history.steps import CHANCE_OF_ALL, price_steps
 from plumbline.harness.store.journal import DamagedFile
+from plumbline.harness.store.machine_fingerprint import machine_digest
 from plumbline.harness.store.store import Store
 
 MOST = 90
@@ -84,13 +85,14 @@ def over_nights(
 
 def crept(store: Store, before: Sequence[Night], own: Sequence[Change]) -> list[Change]:
     """Prices of which tonight tells nothing by itself, and that are others than on the last night that told a change of them,
-    or on the first of the nights that are read.
+    or on the first of the nights on this machine that are read.
 
     Args: store: of tonight. before: whole nights, the earliest first. own: what tonight tells. Raises: StoreError.
     """
     clocked = {cell_of(row) for row in store.trials.itertuples() if row.cpu_per_unit is not None and row.cpu_per_unit > 0}
     bases, last = dict[SeenCell, tuple[Night, ...]](), dict[SeenCell, Night]()
-    for night in before[-MOST:]:
+    here = machine_digest(store.machine)
+    for night in (night for night in before[-MOST:] if night.machine == here):
         told = {(row["engine"], row["case"]) for row in night.plan.get("told", ()) if row["kind"] == "price"}
         for cell in seen_cells(night).keys() & clocked:
             last[cell] = night

@@ -11,15 +11,15 @@ import pytest
 
 from plumbline.harness.history.slow_drift import lasting, price_changes_of
 
-ENGINES, CASES, TRACKS = ("a", "b", "c", "d"), ("x", "y"), ("default", "tuned")
+ENGINES, CASES, TRACKS = ("a", "b", "c"), ("w", "x", "y", "z"), ("default", "tuned")
 SAMPLES = 5
 MACHINE, LAYOUT, SAMPLE = 0.016, 0.015, 0.01
-"""Of logarithms, rms: what the machine's drift does to one program as a whole (docs/method.md: canary, MuJoCo and Python strayed
-by .013 to .017 over 83 minutes), what another layout in memory does to one price, and how samples stray."""
+"""Of logarithms, rms: what the machine's drift does to one program as a whole (docs/method.md), what another layout in memory
+does to one price, and how samples stray."""
 
 
 def night(rng: np.random.Generator, times: float = 1.0) -> Any:
-    """The tables of a night: sixteen prices, engine a so many times as dear."""
+    """The tables of a night: eight prices of each engine, those of the first so many times as dear."""
     trials, samples = [], []
     slow = {engine: rng.normal(0, MACHINE) for engine in (*ENGINES, "canary")}
     for engine in ENGINES:
@@ -48,18 +48,18 @@ def told(nights: Sequence[Any]) -> list[Any]:
     return lasting(partial(price_changes_of, nights, cells))
 
 
+@pytest.mark.slow
 def test_of_a_thousand_unchanged_histories_fewer_than_one_in_a_hundred_tells_that_a_price_crept() -> None:
-    """Of four engines each; a night looks once, so that this is its chance of a false word by this way."""
+    """Of three engines each; a night looks once, so that this is its chance of a false word by this way."""
     rng = np.random.default_rng(3)
     false = sum(bool(told([night(rng) for _ in range(4)])) for _ in range(1000))
     print(f"{false} of 1000")
     assert false < 10
 
 
-@pytest.mark.parametrize("times", [1.03, 1.04])
-def test_a_rise_that_no_night_shows_is_told_when_it_has_come_to_what_a_night_tells(times: float) -> None:
+def test_a_rise_of_three_percent_a_night_is_told_by_the_sixth() -> None:
     rng = np.random.default_rng(4)
-    seen = [told([night(rng, times**k) for k in (0, 1, 5, 6)]) for _ in range(20)]
+    seen = [told([night(rng, 1.03**k) for k in (0, 1, 5, 6)]) for _ in range(20)]
     assert sum(any((row.engine, row.sense) == ("a", "worse") for row in rows) for rows in seen) >= 19
 
 

@@ -16,7 +16,8 @@ from plumbline.harness.findings.summary import write_summary
 from plumbline.harness.history import night_policy
 from plumbline.harness.history.changes_since import News
 from plumbline.harness.history.folder import History, Night, created
-from plumbline.harness.history.night import Asked, accounted, carry_out_night, close, compared, night_to_do
+from plumbline.harness.history.night import accounted, carry_out_night, close, compared, night_to_do
+from plumbline.harness.history.night_policy import Asked
 from plumbline.harness.run import campaign
 from plumbline.harness.scene import Scene
 from plumbline.harness.store.record import Record
@@ -45,7 +46,8 @@ STUDY = Study(
 """Two cases once and two steps, each on two tracks."""
 CELLS = 16
 """Answers of it on both engines, each with its price."""
-NOISE = 0.01
+NOISE, SLOW = 0.01, 1.0
+"""Of every price: how far samples stray, and times as dear on this machine."""
 
 
 def _as_it_is(scene: Scene) -> Scene:
@@ -161,7 +163,7 @@ def planted(fault: Fault = NONE) -> Iterator[list[str]]:
             yield replace(record, rough_cost=1e-5 / trial.settings.dt) if trial.experiment.sweep else record
 
     def blocks(trial: Trial) -> list[float]:
-        price = (fault.price if trial.engine == fault.engine else 1.0) * 1e-5
+        price = (fault.price if trial.engine == fault.engine else 1.0) * 1e-5 * SLOW
         return [price * each for each in np.exp(np.random.default_rng(len(computed)).normal(0, NOISE, 5))]
 
     plain = campaign.sources_of
@@ -200,7 +202,7 @@ def night(root: Path, what: Asked | None = None) -> tuple[Night, News | None, di
     what = what or asked()
     done = carry_out_night(history, what, night_to_do(history, what))
     write_summary(done.store)
-    news = compared(history, done)
-    account = accounted(history, done, news, 0.0)
+    news = compared(done)
+    account = accounted(done, news, 0.0)
     close(done.night, account)
     return done.night, news, account

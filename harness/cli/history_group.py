@@ -90,8 +90,7 @@ def ack(name: str, note: str, address: str) -> None:
     """Write down that the change ID was seen: it is not told again."""
     from dataclasses import replace
 
-    from plumbline.harness.history.acknowledged import acknowledge
-    from plumbline.harness.history.identity import Named
+    from plumbline.harness.history.identity import Named, acknowledge
     from plumbline.harness.history.regressions import read_trends
 
     with at_hand(address) as kept:

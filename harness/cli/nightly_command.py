@@ -23,7 +23,7 @@ from plumbline.harness.intake.safe_text import quoted
 if TYPE_CHECKING:
     from plumbline.harness.history.changes_since import News
     from plumbline.harness.history.folder import History
-    from plumbline.harness.history.night import Asked, Done
+    from plumbline.harness.history.night_policy import Asked, Steering
     from plumbline.harness.history.remote_storage import Elsewhere
 
 _UNBOUNDED = 86400.0
@@ -108,7 +108,7 @@ def _asked(
     *, study: str, engines: Sequence[str], globs: tuple[str, ...], gated: tuple[str, ...], keep: Any, agreed: bool, **rest: Any
 ) -> "Asked":
     from plumbline.api.studies import study_and_cases
-    from plumbline.harness.history.night import Asked
+    from plumbline.harness.history.night_policy import Asked
     from plumbline.harness.study.catalogue import describe_engine
     from plumbline.harness.study.experiment import StudyError
 
@@ -149,7 +149,7 @@ def _night(
             done = carry_out_night(history, asked, night)
             ended = time.monotonic()
             write_summary(done.store)
-            news = compared(history, done)
+            news = compared(done)
             _write_comparison(done, news)
             if reported and done.budget.seconds - done.budget.taken() < done.budget.closing / 2:
                 say(f"no time was left for the pages; plumbline report {night.folder} makes them", err=True)
@@ -158,7 +158,7 @@ def _night(
             about = shelf()
             rows = asked_again(about, asked.adapters, lambda: done.budget.seconds - done.budget.taken())
             changed = turned(about, rows, [earlier.plan for earlier in history.whole_nights() if earlier != night])
-            account = accounted(history, done, news, time.monotonic() - ended) | {"findings": rows}
+            account = accounted(done, news, time.monotonic() - ended) | {"findings": rows}
             summary = _write_summary(history, done, news, account, changed)
             close(night, account)
             said_by(history, night, done.store)
@@ -187,21 +187,21 @@ def _logged(path: Path) -> Iterator[None]:
         yield
 
 
-def _present(done: "Done", news: "News | None") -> list[str]:
+def _present(done: "Steering", news: "News | None") -> list[str]:
     """Recordings of what is kept, and the report. Returns: a line for each page that could not be made."""
     from plumbline.reports import build, write_recordings
 
     trials = done.store.trials
     fresh = trials[(trials["recalled"] == "") & trials["trajectory_kept"] & trials["trajectory_hash"].notna()]
-    if done.asked.keep == "changed" and news is not None:
+    if done.request.keep == "changed" and news is not None:
         changed = {row.trial_b for row in news.changes.rows if row.trial_b}
         fresh = fresh[fresh["trial"].isin(changed)]
-    if done.asked.keep != "none" and done.asked.study.recordings:
+    if done.request.keep != "none" and done.request.study.recordings:
         write_recordings(done.night.folder, sorted(set(fresh["case"])))
     return build(done.night.folder).sentences()
 
 
-def _write_comparison(done: "Done", news: "News | None") -> None:
+def _write_comparison(done: "Steering", news: "News | None") -> None:
     """What changed, for build servers and other trackers, and as a page: before the report, whose first page leads to it."""
     from plumbline.harness.findings.changes.files import changes_files
     from plumbline.harness.store.disk import make_folder, write_atomically
@@ -210,21 +210,21 @@ def _write_comparison(done: "Done", news: "News | None") -> None:
     folder = done.night.folder / "changes"
     make_folder(folder)
     if news is not None:
-        for name, content in changes_files(news.changes, done.store, done.asked.gated, done.asked.least).items():
+        for name, content in changes_files(news.changes, done.store, done.request.gated, done.request.least).items():
             write_atomically(folder / name, content)
-        changes_page(news.changes, folder, done.asked.gated)
+        changes_page(news.changes, folder, done.request.gated)
 
 
 def _write_summary(
-    history: "History", done: "Done", news: "News | None", account: dict[str, Any], findings: Sequence[str]
+    history: "History", done: "Steering", news: "News | None", account: dict[str, Any], findings: Sequence[str]
 ) -> Path:
     """What changed, for people. Returns: summary.md."""
-    from plumbline.harness.history.acknowledged import acknowledged
+    from plumbline.harness.history.identity import acknowledged
     from plumbline.harness.history.sentences import open_since, summary
     from plumbline.harness.store.disk import write_atomically
 
     plans = [night.plan for night in history.whole_nights() if night != done.night]
-    standing = open_since(plans, acknowledged(history), () if news is None else news.ended, account["told"])
+    standing = open_since(plans, acknowledged(history)[0], () if news is None else news.ended, account["told"])
     path = done.night.folder / "changes" / "summary.md"
     write_atomically(path, summary(news, account, standing, findings).encode())
     return path

@@ -5,26 +5,25 @@ An answer that the night before had lost is compared with the last one that ther
 
 import sys
 from collections import Counter
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, TypeAlias
+from typing import Any
 
 from plumbline.harness.findings.changes import Change, Changes, Judged, compare
-from plumbline.harness.findings.changes.matching import LOST, where_of
+from plumbline.harness.findings.changes.matching import where_of
 from plumbline.harness.findings.changes.weights import heaviest_first
-from plumbline.harness.history.acknowledged import silenced
-from plumbline.harness.history.blocks import Key, SeenCell, cell_of, seen_cells, sights_of
+from plumbline.harness.history.blocks import Key, SeenCell, cell_of, seen_cells
 from plumbline.harness.history.folder import Night
-from plumbline.harness.history.identity import Named, change_id
+from plumbline.harness.history.identity import Named, change_id, silenced
 from plumbline.harness.history.regressions import Dated
+from plumbline.harness.history.slow_drift import crept
 from plumbline.harness.store.journal import DamagedFile
+from plumbline.harness.store.machine_fingerprint import machine_digest
 from plumbline.harness.store.store import Store
 
 EARLIER = 3
 """Nights up to which back a question is looked for that the last night to see its cell was not asked: a narrower study may have
 come in between."""
-Wanted: TypeAlias = Mapping[SeenCell, Collection[str] | None]
-"""Cells that are compared: all of each for None, or some of its trials."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,19 +48,19 @@ def news_of(
     store: Store,
     stamp: str,
     before: Sequence[Night],
-    blocks: Mapping[Key, str],
+    blocks: Collection[Key],
     known: Mapping[str, Named],
     earlier: Mapping[str, str],
     over: Callable[[Sequence[Change]], Sequence[Dated]] = lambda _rows: (),
 ) -> News | None:
     """What changed in a night; None where nothing of it was seen before.
 
-    Args: store, stamp: of the night. before: whole nights, the earliest first. blocks: that it carried out, with their digests.
+    Args: store, stamp: of the night. before: whole nights, the earliest first. blocks: that it carried out.
     known: what was acknowledged. earlier: first nights of changes that last, by what they are called without one.
     over: of what the night tells by itself, what all nights tell beside it.
     Raises: StoreError.
     """
-    differences, recalled = _compared(store, before, blocks)
+    differences = _compared(store, before, blocks)
     if not differences:
         return None
     others = {row.trial_b: row for row in _disagreements(store)}
@@ -70,22 +69,19 @@ def news_of(
             [*(row for difference in differences for row in difference.rows if not _left_aside(row, others)), *others.values()]
         )
     )
+    every = heaviest_first([*every, *crept(store, before, every)])
     stamps = [*(night.stamp for night in before), stamp]
     since = {row: earlier.get(change_id(row, ""), stamp) for row in every}
     told = [row for row in every if silenced(Named.of(row, since[row]), known, stamps) is None]
     dated = over(every)
     fresh = {heaviest_first([change.first])[0]: change.stamp for change in dated if change.state == "open"}
-    judged = [difference.judged for difference in differences] + [
-        {row.engine: Judged(answers=int(row.status not in LOST), all_answers=1)}
-        for row in recalled
-        if row.status != "unsupported"
-    ]
+    judged = [difference.judged for difference in differences]
     changes = replace(
         differences[0],
         b=replace(differences[0].b, trials=len(store.trials)),
         rows=heaviest_first([*told, *fresh]),
-        matched=sum(difference.matched for difference in differences) + len(recalled),
-        same=sum(difference.same for difference in differences) + sum(isinstance(row.trajectory_hash, str) for row in recalled),
+        matched=sum(difference.matched for difference in differences),
+        same=sum(difference.same for difference in differences),
         clocked=sum(difference.clocked for difference in differences),
         unread=tuple(dict.fromkeys(text for difference in differences for text in difference.unread)),
         judged={
@@ -101,75 +97,102 @@ def news_of(
     )
 
 
-def _compared(store: Store, before: Sequence[Night], blocks: Mapping[Key, str]) -> tuple[list[Changes], list[Any]]:
+def _compared(store: Store, before: Sequence[Night], blocks: Collection[Key]) -> list[Changes]:
     """Each cell of tonight against the last night that saw it, the latest night first; what that one had lost, against those
-    before it. Returns: what differs, and rows of the table `trials` that were recalled and are the same as then."""
-    rows: dict[SeenCell, list[Any]] = {}
-    for row in store.trials.itertuples():
-        if (row.experiment, row.case) in blocks:
-            rows.setdefault(cell_of(row), []).append(row)
-    waiting: dict[SeenCell, Collection[str] | None] = dict.fromkeys(rows)
-    fresh, differences, recalled = _with_news(store), list[Changes](), dict[SeenCell, Night]()
-    looked_at = Counter[SeenCell]()
+    before it; and what was never asked under its name, against the last night that asked the same under another.
+
+    What has no like at all could not be judged, and counts as that. Prices are those of the last night on this machine.
+    """
+    every = {str(row.trial): row for row in store.trials.itertuples() if (row.experiment, row.case) in blocks}
+    unpaired = dict(every)
+    differences = [*_looked_back(store, before, unpaired), *_looked_back(store, before, unpaired, renamed=True)]
+    here = machine_digest(store.machine)
+    unpriced = unpaired
+    if any(difference.a.machine != here for difference in differences):
+        unpriced = {trial: row for trial, row in every.items() if _clocked(row)}
+        alone = _looked_back(store, [night for night in before if night.machine == here], unpriced)
+        differences = [*map(_without_prices, differences), *map(_prices_alone, alone)]
+    judged: dict[str, Judged] = {}
+    for trial, row in every.items():
+        if row.round == 0 and row.status != "unsupported":
+            new = Judged(all_answers=int(trial in unpaired), all_prices=int(trial in unpriced and _clocked(row)))
+            judged[str(row.engine)] = judged.get(str(row.engine), Judged()) + new
+    return differences and [*differences, replace(differences[0], rows=(), matched=0, same=0, clocked=0, judged=judged)]
+
+
+def _clocked(row: Any) -> bool:
+    return row.cpu_per_unit is not None and row.cpu_per_unit > 0
+
+
+def _without_prices(difference: Changes) -> Changes:
+    """Of another machine only answers can be compared."""
+    judged = {engine: replace(each, prices=0, all_prices=0) for engine, each in difference.judged.items()}
+    return replace(difference, rows=tuple(row for row in difference.rows if row.kind != "price"), clocked=0, judged=judged)
+
+
+def _prices_alone(difference: Changes) -> Changes:
+    """The prices of an earlier night on this machine, where answers are compared with another one's."""
+    judged = {engine: replace(each, answers=0, all_answers=0) for engine, each in difference.judged.items()}
+    rows = tuple(row for row in difference.rows if row.kind == "price")
+    return replace(difference, rows=rows, matched=0, same=0, judged=judged)
+
+
+def _looked_back(
+    store: Store, before: Sequence[Night], unpaired: dict[str, Any], *, renamed: bool = False
+) -> Iterator[Changes]:
+    """What differs from each night back.
+
+    Args: unpaired: rows of tonight by trial; those with a like go out of it. renamed: whatever study and experiment asked it.
+    """
+
+    def asked(cell: SeenCell) -> tuple[str, ...]:
+        return cell[1:4] if renamed else cell
+
+    waiting: dict[tuple[str, ...], set[str]] = {}
+    for trial, row in unpaired.items():
+        waiting.setdefault(asked(cell_of(row)), set()).add(trial)
+    looked_at, rows = Counter[tuple[str, ...]](), dict(unpaired)
     for night in reversed(before):
+        there: dict[tuple[str, ...], set[Key]] = {}
+        compared: list[tuple[bool, Changes]] = []
         try:
-            seen = seen_cells(night)
-            then = {sight.key: sight.digest for sight in sights_of(night)}
-            # Where all was lost then, too, there is nothing that what was lost since could be compared with.
-            cells = [
-                cell
-                for cell in seen
-                if cell in waiting and (waiting[cell] is None or seen[cell]["lost"] < seen[cell]["trials"])
-            ]
-            same = [cell for cell in cells if cell[:2] not in fresh and then[cell[:2]] == blocks[cell[:2]]]
-            again: Wanted = {cell: waiting[cell] for cell in cells if waiting[cell] is not None}
-            first: Wanted = {cell: None for cell in cells if cell not in again and cell not in same}
-            compared = [(wanted, _of_cells(store, night, wanted)) for wanted in (first, again) if wanted]
+            for cell, saw in seen_cells(night).items():
+                question = asked(cell)
+                # Where all was lost then, too, there is nothing that what was lost since could be compared with.
+                if question in waiting and (not looked_at[question] or saw["lost"] < saw["trials"]):
+                    there.setdefault(question, set()).add(cell[:2])
+            for again in (False, True):
+                mine = [question for question in there if bool(looked_at[question]) == again]
+                if wanted := {trial for question in mine for trial in waiting[question]}:
+                    then = night.store({key for question in mine for key in there[question]})
+                    now = store.part({(rows[trial].experiment, rows[trial].case) for trial in wanted})
+                    difference = compare(then, now, _among(wanted), renamed=renamed)
+                    compared.append((again, difference))
+                    for trial in wanted - {*difference.new}:
+                        unpaired.pop(trial, None)
         except DamagedFile as error:
             print(f"{error}; what it said is left out", file=sys.stderr)
             continue
-        recalled |= dict.fromkeys((cell for cell in same if cell not in again), night)
-        differences += [difference if wanted is first else _counted_already(difference) for wanted, difference in compared]
-        looked_at.update(cells)
-        for cell in cells:
-            lost = {trial for _, difference in compared for trial in difference.regained}
-            lost |= {trial for _, difference in compared for trial in difference.new if looked_at[cell] <= EARLIER}
-            waiting[cell] = lost & {row.trial for row in rows[cell]}
-            if not waiting[cell]:
-                del waiting[cell]
+        yield from (_counted_already(each) if again else each for again, each in compared if each.matched or not renamed)
+        looked_at.update(there.keys())
+        lost = {trial for _, difference in compared for trial in difference.regained}
+        new = {trial for _, difference in compared for trial in difference.new}
+        for question in there:
+            waiting[question] &= lost | new if looked_at[question] <= EARLIER else lost
+        waiting = {question: trials for question, trials in waiting.items() if trials}
         if not waiting:
-            break
-    if recalled and not differences:  # what is the same as then says whom it was compared with
-        cell, night = recalled.popitem()
-        differences = [_of_cells(store, night, {cell: None})]
-    return differences, [row for cell in recalled for row in rows[cell]]
+            return
 
 
-def _of_cells(store: Store, night: Night, wanted: Wanted) -> Changes:
-    """What differs from a night in these cells, or in these trials of them."""
-    keys = {cell[:2] for cell in wanted}
-    return compare(night.store_of(keys), store.part(keys), lambda row: _is_among(row, wanted))
+def _among(trials: Collection[str]) -> Callable[[Any], bool]:
+    """Is a row of the table `trials` one of these?"""
+    return lambda row: row.trial in trials
 
 
 def _counted_already(difference: Changes) -> Changes:
     """Differences without the counts of what an earlier one has counted: it adds what could be judged after all."""
     judged = {engine: replace(each, all_answers=0) for engine, each in difference.judged.items()}
     return replace(difference, matched=0, judged=judged)
-
-
-def _is_among(row: Any, wanted: Wanted) -> bool:
-    """Is a trial of these cells, or of these trials of a cell?"""
-    cell = cell_of(row)
-    trials = wanted.get(cell)
-    return cell in wanted and (trials is None or row.trial in trials)
-
-
-def _with_news(store: Store) -> set[Key]:
-    """The blocks in which anything was answered for the first time, answered otherwise, or clocked: all else was recalled."""
-    trials = store.trials
-    fresh = (trials["recalled"] == "") & (trials["again"] != trials["trajectory_hash"].fillna(trials["status"]))
-    rows = trials[fresh | (trials["cpu_per_unit"] > 0)]
-    return {*zip(rows["experiment"], rows["case"], strict=True)}
 
 
 def _left_aside(row: Change, disagreements: Mapping[str, Change]) -> bool:

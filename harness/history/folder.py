@@ -11,6 +11,7 @@ from typing import Any
 
 from plumbline.harness.store import disk
 from plumbline.harness.store.journal import DamagedFile, NoRun, StoreError
+from plumbline.harness.store.machine_fingerprint import machine_digest
 from plumbline.harness.store.store import Store, read_plain, write_json
 
 SCHEMA = 1
@@ -51,15 +52,23 @@ class Night:
     def plan(self) -> Mapping[str, Any]:
         """What `night.json` says; nothing where it was never written. Raises: DamagedFile, StoreError."""
         path = self.folder / NIGHT
-        if os.path.lexists(path) and not path.is_file():
-            raise DamagedFile(path, "is no file", "restore it")
-        status = path.stat() if path.is_file() else None
-        return _plan(path, None if status is None else (status.st_size, status.st_mtime_ns, status.st_ino))
+        if not path.is_file():
+            return _readable(path)
+        status = path.stat()
+        return _plan(path, (status.st_size, status.st_mtime_ns, status.st_ino))
 
     @property
     def whole(self) -> bool:
         """Did it come to its end? Raises: DamagedFile."""
         return bool(self.plan.get("complete"))
+
+    @property
+    def machine(self) -> str:
+        """The digest of the machine that it ran on; '' where nothing says so."""
+        try:
+            return machine_digest(self.store().machine)
+        except StoreError:
+            return ""
 
     def unread(self) -> DamagedFile | None:
         """Why it cannot be used as a night, but for what its journal holds; None where it can."""
@@ -81,13 +90,9 @@ class Night:
             return DamagedFile(self.folder / NIGHT, str(error), _DELETE)
         return None
 
-    def store(self) -> Store:
-        """Its tables. Raises: NoRun."""
-        return Store(self.folder)
-
-    def store_of(self, blocks: Collection[tuple[str, str]]) -> Store:
-        """The tables of these experiments and cases alone. Raises: NoRun."""
-        return Store(self.folder, only=blocks)
+    def store(self, only: Collection[tuple[str, str]] | None = None) -> Store:
+        """Its tables. Args: only: of these experiments and cases; None for all. Raises: NoRun."""
+        return Store(self.folder, only=only)
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,16 +105,6 @@ class History:
     def pool(self) -> Path:
         """The folder of answers."""
         return self.root / "pool"
-
-    @property
-    def lock(self) -> Path:
-        """The file that a night holds while it runs."""
-        return self.root / "lock"
-
-    @property
-    def acknowledgements(self) -> Path:
-        """The changes that somebody has seen, one a line."""
-        return self.root / "acknowledged.jsonl"
 
     def night(self, stamp: str) -> Night:
         """The night of that name, whether it is there or not."""
@@ -137,7 +132,7 @@ class History:
 
 
 @lru_cache(maxsize=256)
-def _plan(path: Path, _status: tuple[int, int, int] | None) -> Mapping[str, Any]:
+def _plan(path: Path, _status: tuple[int, int, int]) -> Mapping[str, Any]:
     """Read once as long as it is the same file."""
     return _readable(path)
 

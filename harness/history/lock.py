@@ -26,9 +26,10 @@ def locked(history: History) -> Iterator[None]:
 
     Raises: StoreError, where another process holds it. OSError.
     """
-    if os.path.lexists(history.lock) and not history.lock.is_file():
-        raise StoreError(f"{history.lock}: is no file; delete it")
-    descriptor = disk.calls.open(history.lock, os.O_RDWR | os.O_CREAT)
+    path = history.root / "lock"
+    if os.path.lexists(path) and not path.is_file():
+        raise StoreError(f"{path}: is no file; delete it")
+    descriptor = disk.calls.open(path, os.O_RDWR | os.O_CREAT)
     try:
         try:
             fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)

@@ -1,27 +1,20 @@
 """One night: begun or gone on with, carried out within its budget, compared with what was seen before, and closed."""
 
-import math
 import os
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime, timedelta
 from typing import Any
 
-from plumbline.harness.adapter import Adapter
-from plumbline.harness.case import Case
 from plumbline.harness.findings.changes import Change
 from plumbline.harness.findings.summary import SUMMARIES
-from plumbline.harness.history.acknowledged import acknowledged, read_acknowledged
-from plumbline.harness.history.answer_store import Pool
-from plumbline.harness.history.blocks import LATELY, Key, cells_of, last_seen, last_unanswered, sights_of
-from plumbline.harness.history.budget import Budget, bytes_of, memory_peaks
+from plumbline.harness.history.blocks import cells_of, last_seen
+from plumbline.harness.history.budget import bytes_of, memory_peaks
 from plumbline.harness.history.changes_since import News, news_of
-from plumbline.harness.history.folder import NIGHT, SCHEMA, History, Night, stamp_of
-from plumbline.harness.history.known_searches import KnownSearches
-from plumbline.harness.history.last_answers import LastAnswers
+from plumbline.harness.history.folder import NIGHT, History, Night, stamp_of
+from plumbline.harness.history.identity import acknowledged
 from plumbline.harness.history.listing import counted
-from plumbline.harness.history.night_policy import Keep, Steering
+from plumbline.harness.history.night_policy import Asked, Steering
 from plumbline.harness.history.regressions import Dated
 from plumbline.harness.history.sentences import told
 from plumbline.harness.history.slow_drift import over_nights
@@ -29,51 +22,7 @@ from plumbline.harness.run.campaign import carry_out
 from plumbline.harness.run.interrupt import until
 from plumbline.harness.store import disk
 from plumbline.harness.store.journal import DamagedFile, read_journal
-from plumbline.harness.store.machine_fingerprint import fingerprint, machine_digest
-from plumbline.harness.store.record import Record, digest
-from plumbline.harness.store.store import Store, write_json
-from plumbline.harness.study.study import Study
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Asked:
-    """What a night is asked for. Terms: budget [s], infinite for none. gated: engines that may not be worse; least:
-    share of what they were asked that has to be judged. seed: '' for the
-    night's own name."""
-
-    study: Study
-    cases: Mapping[str, Case]
-    adapters: Mapping[str, Adapter]
-    budget: float = math.inf
-    workers: int = 2
-    keep: Keep = "changed"
-    gated: tuple[str, ...] = ()
-    least: float = 0.0
-    seed: str = ""
-
-    @property
-    def digest(self) -> str:
-        """Another one for a night that asks something else."""
-        return digest([repr(self.study), sorted(self.cases), sorted(self.adapters)])
-
-
-@dataclass(frozen=True, slots=True)
-class Done:
-    """A night that was carried out. Terms: before: the nights that it is compared with. unread: what was left out of these, and
-    why. store: its tables, read once."""
-
-    night: Night
-    asked: Asked
-    before: Sequence[Night]
-    unread: tuple[DamagedFile, ...]
-    steering: Steering
-    budget: Budget
-    store: Store
-
-    @property
-    def blocks(self) -> dict[Key, str]:
-        """The digests of those that were carried out to their end."""
-        return {block.key: block.digest for block in self.steering.blocks if block.key in self.steering.done}
+from plumbline.harness.store.store import write_json
 
 
 def night_to_do(history: History, asked: Asked) -> Night:
@@ -111,7 +60,7 @@ def _readable(nights: Sequence[Night]) -> tuple[list[Night], list[DamagedFile]]:
         readable = [night for night in readable if night not in damaged]
 
 
-def carry_out_night(history: History, asked: Asked, night: Night) -> Done:
+def carry_out_night(history: History, request: Asked, night: Night) -> Steering:
     """Answer and clock as much as the budget allows. Who calls this holds the history's lock.
 
     Args: night: as `night_to_do` gave it.
@@ -121,58 +70,22 @@ def carry_out_night(history: History, asked: Asked, night: Night) -> Done:
     unfinished = [other for other in history.nights() if not other.whole and other != night]
     unread += [damage for other in unfinished if (damage := _damage(other)) is not None]
     disk.make_folder(night.folder)
-    seen, plan = last_seen(before), night.plan
-    budget = Budget.of(asked.budget, (earlier.plan for earlier in before[-LATELY:]))
-    seed = asked.seed or night.stamp
-    started: dict[str, Any] = {
-        "schema": SCHEMA,
-        "stamp": night.stamp,
-        "asked": asked.digest,
-        "study": asked.study.name,
-        "budget": None if math.isinf(asked.budget) else asked.budget,
-        "keep": asked.keep,
-        "seed": seed,
-        "gated": list(asked.gated),
-        "least": asked.least,
-        "complete": False,
-    }
-
-    def save(steering: Steering) -> None:
-        budget.set_aside(sum(tally.answers for tally in steering.tallies.values()), steering.slow)
-        write_json(night.folder / NIGHT, started | {"blocks": steering.sights({}, {})})
-
-    pool, so_far = Pool(history.pool), read_journal(night.folder / "journal.jsonl").values()
-    steering = Steering(
-        pool=pool,
-        folder=night.folder,
-        stamp=night.stamp,
-        seed=seed,
-        machine=machine_digest(fingerprint()),
-        keep=asked.keep,
-        seen=seen,
-        waited=last_unanswered(before, seen),
-        searched=KnownSearches(LastAnswers(seen), asked.cases, pool, seed),
-        distrusted=_distrusted(before, night, so_far),
-        left=budget.left,
-        save=save,
-    )
-    steering.go_on(sights_of(night), so_far)
-    if not plan:
-        save(steering)
-    with until(lambda: budget.end):
+    steering = Steering(history, night, request, before, unread)
+    if not night.plan:
+        steering.save()
+    with until(lambda: steering.budget.end):
         carry_out(
-            asked.study,
+            request.study,
             night.folder,
-            asked.cases,
-            asked.adapters,
-            workers=asked.workers,
+            request.cases,
+            request.adapters,
+            workers=request.workers,
             resume=True,
             guide=steering,
         )
     steering.close()
-    store = night.store()
-    _without_idle_logs(night, set(store.trials["trial"]))
-    return Done(night, asked, before, (*history.unread(), *read_acknowledged(history)[1], *unread), steering, budget, store)
+    _without_idle_logs(night, set(steering.store.trials["trial"]))
+    return steering
 
 
 def _without_idle_logs(night: Night, recorded: set[str]) -> None:
@@ -185,19 +98,20 @@ def _without_idle_logs(night: Night, recorded: set[str]) -> None:
         logs.rmdir()
 
 
-def compared(history: History, done: Done) -> News | None:
+def compared(done: Steering) -> News | None:
     """What changed since each block was last seen; None where nothing of the night was seen before. Raises: StoreError."""
-    known = acknowledged(history)
+    known = acknowledged(done.history)[0]
 
     def over(rows: Sequence[Change]) -> Sequence[Dated]:
-        return over_nights(history, done.before, done.night, done.store, known, rows, done.budget.seconds - done.budget.taken())
+        left = done.budget.seconds - done.budget.taken()
+        return over_nights(done.history, done.before, done.night, done.store, known, rows, left)
 
-    return news_of(done.store, done.night.stamp, done.before, done.blocks, known, _first_told(history), over)
+    return news_of(done.store, done.night.stamp, done.before, done.done, known, _first_told(done.history), over)
 
 
-def accounted(history: History, done: Done, news: News | None, closing: float) -> dict[str, Any]:
+def accounted(done: Steering, news: News | None, closing: float) -> dict[str, Any]:
     """What the night's own file says when it is whole. Args: closing [s]: what tables and report took. Raises: StoreError."""
-    night, steering = done.night, done.steering
+    night, unread = done.night, (*done.history.unread(), *acknowledged(done.history)[1], *done.unread)
     trials, rows = done.store.trials, () if news is None else news.changes.rows
     where = {row.trial: (row.experiment, row.case) for row in trials.itertuples()}
     clocked = trials[trials["cpu_per_unit"] > 0]
@@ -206,26 +120,26 @@ def accounted(history: History, done: Done, news: News | None, closing: float) -
     worse = Counter(where[row.trial_b] for row in rows if row.regression and row.trial_b in where)
     changed = [told(row, news.changes, news.since[row]) for row in rows if news and row.sense in ("worse", "better")]
     return {name: value for name, value in night.plan.items() if name != "blocks"} | {
-        "gated": list(done.asked.gated),
-        "least": done.asked.least,
+        "gated": list(done.request.gated),
+        "least": done.request.least,
         "complete": True,
         "finished": datetime.now(UTC).isoformat(timespec="seconds"),
-        "seconds": {"whole": done.budget.taken(), "closing": closing, "set_aside": done.budget.closing, "slow": steering.slow},
+        "seconds": {"whole": done.budget.taken(), "closing": closing, "set_aside": done.budget.closing, "slow": done.slow},
         "memory_mb": memory_peaks(),
-        "bytes": _bytes(history, night),
+        "bytes": _bytes(done.history, night),
         **counted(trials, sum(row.kind == "digest" for row in rows)),
-        "blocks": [row | {"saw": cells.get((row["experiment"], row["case"]), {})} for row in steering.sights(unstable, worse)],
+        "blocks": [row | {"saw": cells.get((row["experiment"], row["case"]), {})} for row in done.sights(unstable, worse)],
         "outcomes": {
             str(engine): {str(status): int(count) for status, count in of["status"].value_counts().items()}
             for engine, of in trials.groupby("engine", sort=False)
         },
         "versions": {engine: saw["version"] for of in cells.values() for engine, saw in of.items() if saw["version"]},
         "unconfirmed": [told(row, news.changes, night.stamp) for row in rows if news and row.sense == "unconfirmed"],
-        "unread": [str(error) for error in done.unread],
+        "unread": [str(error) for error in unread],
         "summaries": {name: disk.digest(path) for name in SUMMARIES if (path := night.folder / name).is_file()},
-        "left_out": steering.out,
-        "unanswered": steering.unanswered,
-        "distrusted": [[*cell, stamp] for cell, stamp in steering.distrusted.items()],
+        "left_out": done.out,
+        "unanswered": done.unanswered,
+        "distrusted": [[*cell, stamp] for cell, stamp in done.distrusted.items()],
         "told": changed,
     }
 
@@ -243,12 +157,6 @@ def _first_told(history: History) -> dict[str, str]:
             if row["kind"] == "digest":
                 earlier.setdefault(row["lasting"], row["first_seen"])
     return earlier
-
-
-def _distrusted(nights: Sequence[Night], night: Night, so_far: Iterable[Record]) -> dict[tuple[str, str], str]:
-    """By case and engine, the last night in which it gave another answer to the same digest. Args: so_far: of tonight."""
-    known = {(case, engine): stamp for case, engine, stamp in (nights[-1].plan.get("distrusted", ()) if nights else ())}
-    return known | {(record.case, record.engine): night.stamp for record in so_far if record.disagrees}
 
 
 def _bytes(history: History, night: Night) -> dict[str, int]:

@@ -6,21 +6,39 @@ What an engine answered to a case before a night in which it gave another answer
 import math
 import sys
 import time
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, field, replace
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
+from plumbline.harness.adapter import Adapter
+from plumbline.harness.case import Case
 from plumbline.harness.findings.changes.prices import TOLD
 from plumbline.harness.history.answer_store import MACHINE_BOUND, Pool
-from plumbline.harness.history.blocks import Block, Cell, Key, Seen, Sight, blocks_of
+from plumbline.harness.history.blocks import (
+    LATELY,
+    Block,
+    Cell,
+    Key,
+    Sight,
+    blocks_of,
+    last_seen,
+    last_unanswered,
+    sights_of,
+)  # fmt: skip
+from plumbline.harness.history.budget import Budget
+from plumbline.harness.history.folder import NIGHT, SCHEMA, History, Night
 from plumbline.harness.history.known_searches import KnownSearches
-from plumbline.harness.history.plan import Left, Plan
+from plumbline.harness.history.plan import Plan
 from plumbline.harness.run.interrupt import UnderWay
 from plumbline.harness.run.known_results import Guide
 from plumbline.harness.store import disk
-from plumbline.harness.store.journal import DamagedFile, StoreError
+from plumbline.harness.store.journal import DamagedFile, StoreError, read_journal
+from plumbline.harness.store.machine_fingerprint import fingerprint, machine_digest
 from plumbline.harness.store.record import Record, Timing, digest
+from plumbline.harness.store.store import Store, write_json
+from plumbline.harness.study.study import Study
 from plumbline.harness.study.trial import Trial
 
 AGAIN = 1 / 20
@@ -36,44 +54,74 @@ def computed_again(trial: str, seed: str) -> bool:
     return int(digest([seed, trial]), 16) < AGAIN * 2**64
 
 
-@dataclass(slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Asked:
+    """What a night is asked for. Terms: budget [s], infinite for none. gated: engines that may not be worse; least: share of
+    what they were asked that has to be judged. seed: of what is drawn, '' for the night's own name."""
+
+    study: Study
+    cases: Mapping[str, Case]
+    adapters: Mapping[str, Adapter]
+    budget: float = math.inf
+    workers: int = 2
+    keep: Keep = "changed"
+    gated: tuple[str, ...] = ()
+    least: float = 0.0
+    seed: str = ""
+
+    @property
+    def digest(self) -> str:
+        """Another one for a night that asks something else."""
+        return digest([repr(self.study), sorted(self.cases), sorted(self.adapters)])
+
+
 class Steering(Guide):
-    """The guide of one night.
+    """One night on its way: the guide of its run, and in the end what was done.
 
     Terms:
-        folder: of the night. stamp: its name. seed: of what is drawn. machine: the digest of this one. seen: what earlier
-        nights say of each block. waited: trials for which earlier nights waited in vain, by the last of them. searched: with
-        what was answered the last time. distrusted: by case and engine, the night before which nothing
-        is recalled. left: seconds until the end. save: called behind each batch, and keeps what a night that goes on has to
-        know. hashes: of trajectories that stay. out, unanswered: rows of `night.json`, what was left out, and what was waited
-        for when time was up. sitting: 0, as a night may end after any question.
+        before: whole nights that can be read, the earliest first; unread: why others cannot. seen: what these say of each
+        block; waited: trials for which they waited in vain, by the last of them. distrusted: by case and engine, the night
+        before which nothing is recalled. hashes: of trajectories that stay. out, unanswered: rows of `night.json`, what was
+        left out, and what was waited for when time was up. sitting: 0, as a night may end after any question.
     """
 
     sitting = 0.0
-    pool: Pool
-    folder: Path
-    stamp: str
-    seed: str
-    machine: str
-    keep: Keep
-    seen: Mapping[Key, Seen]
-    waited: Mapping[Cell, str]
-    searched: KnownSearches
-    distrusted: dict[tuple[str, str], str]
-    left: Left
-    save: Callable[["Steering"], None]
-    blocks: tuple[Block, ...] = ()
-    done: set[Key] = field(default_factory=set)
-    begun: set[Key] = field(default_factory=set)
-    tallies: dict[Key, Sight] = field(default_factory=dict)
-    out: list[dict[str, Any]] = field(default_factory=list)
-    unanswered: list[dict[str, Any]] = field(default_factory=list)
-    _plan: Plan | None = None
-    _again: dict[str, Record] = field(default_factory=dict)
-    _mark: float = 0.0
-    _clocking: float = 0.0
-    hashes: set[str | None] = field(default_factory=set)
-    _kept: int = 0
+
+    def __init__(
+        self, history: History, night: Night, request: Asked, before: Sequence[Night], unread: Sequence[DamagedFile]
+    ) -> None:
+        """Begin, or go on where the night was broken off. Raises: StoreError."""
+        self.history, self.night, self.request, self.before, self.unread = history, night, request, before, unread
+        self.seed, self.pool, self.machine = request.seed or night.stamp, Pool(history.pool), machine_digest(fingerprint())
+        self.budget = Budget.of(request.budget, (earlier.plan for earlier in before[-LATELY:]))
+        self.seen = last_seen(before)
+        self.waited = last_unanswered(before, self.seen)
+        self.searched = KnownSearches(self.seen, request.cases, self.pool, self.seed)
+        self.blocks: tuple[Block, ...] = ()
+        self.done, self.begun, self.hashes = set[Key](), set[Key](), set[str]()
+        self.out, self.unanswered = list[dict[str, Any]](), list[dict[str, Any]]()
+        self._plan, self._again = Plan((), {}, {}), dict[str, Record]()
+        self._mark = self._clocking = 0.0
+        self._kept = 0
+        self.tallies = {sight.key: sight for sight in sights_of(night)}
+        last = before[-1].plan.get("distrusted", ()) if before else ()
+        self.distrusted = {(case, engine): stamp for case, engine, stamp in last}
+        for record in read_journal(night.folder / "journal.jsonl").values():
+            if record.disagrees:
+                self.distrusted[record.case, record.engine] = night.stamp
+            if record.trajectory_kept and (kept := record.trajectory_hash or "") not in self.hashes:
+                new = not record.recalled and not self.pool.trajectory_path(kept).is_file()
+                self._kept += self._size(kept) if new else 0
+                self.hashes.add(kept)
+
+    def save(self) -> None:
+        """Keep what the night has to know if it goes on, and draw anew what is set aside for its end. Raises: OSError."""
+        self.budget.set_aside(sum(tally.answers for tally in self.tallies.values()), self.slow)
+        endless = math.isinf(self.request.budget)
+        about = {name: getattr(self.request, name) for name in ("keep", "least")}
+        about |= {"schema": SCHEMA, "stamp": self.night.stamp, "asked": self.request.digest, "study": self.request.study.name}
+        about |= {"budget": None if endless else self.request.budget, "seed": self.seed, "gated": list(self.request.gated)}
+        write_json(self.night.folder / NIGHT, about | {"complete": False, "blocks": self.sights({}, {})})
 
     def batches(self, trials: Sequence[Trial]) -> Iterator[list[Trial]]:
         """Block after block, the most valuable first, as long as there is time."""
@@ -81,7 +129,7 @@ class Steering(Guide):
         due = {block.key: self._due(block) for block in self.blocks}
         stuck = {cell[:2]: stamp for cell, stamp in self.waited.items()}
         self._plan = plan = Plan(self.blocks, self.seen, due, stuck)
-        for batch in plan.batches(self.left):
+        for batch in plan.batches(self.budget.left):
             self._mark = time.monotonic()
             self.begun |= {block.key for block in batch}
             yield sorted((trial for block in batch for trial in block.trials), key=lambda trial: _cell(trial) in self.waited)
@@ -90,12 +138,17 @@ class Steering(Guide):
                 tally = self._tally(block.key)
                 plan.taken[block.key] = tally.answer_seconds + tally.clock_seconds
             self.tidy()
-            self.save(self)
+            self.save()
+
+    @cached_property
+    def store(self) -> Store:
+        """The tables of the night, once it is carried out. Raises: NoRun."""
+        return self.night.store()
 
     @property
     def slow(self) -> float:
         """Times as long as foreseen."""
-        return 1.0 if self._plan is None else self._plan.slow
+        return self._plan.slow
 
     def known(self, trial: Trial) -> Record | None:
         """From the pool, unless it is drawn to be computed again, depends on the machine, or is distrusted."""
@@ -107,7 +160,6 @@ class Steering(Guide):
             return None
         self._tally((trial.experiment.name, trial.case)).answers += 1
         kept = found.trajectory_hash is not None and self._link(found.trajectory_hash)
-        self.hashes |= {found.trajectory_hash} if kept else set()
         return replace(found, round=trial.round, trajectory_kept=kept)
 
     def answered(self, trial: Trial, record: Record) -> Record:
@@ -121,12 +173,11 @@ class Steering(Guide):
         if known is not None and not bound:
             record = replace(record, again=known.answer)
             if record.disagrees:
-                self.distrusted[record.case, record.engine] = self.stamp
-        record = replace(record, trajectory_kept=record.trajectory_hash is not None and self._stays(trial, record))
-        self.hashes |= {record.trajectory_hash} if record.trajectory_kept else set()
+                self.distrusted[record.case, record.engine] = self.night.stamp
+        record = replace(record, trajectory_kept=self._stays(trial, record))
         if record.again != record.answer:
             try:
-                self.pool.keep(record, self.stamp)
+                self.pool.keep(record, self.night.stamp)
             except DamagedFile as error:
                 print(f"{error}; the answer is kept by the night alone", file=sys.stderr)
         return record
@@ -160,9 +211,9 @@ class Steering(Guide):
         trials = {trial.trial: trial for block in self.blocks for trial in block.trials}
         for timing in timings:
             trial = trials.get(timing.trial)
-            before = None if trial is None or not timing.unstable_timing else self.searched.last.of(trial)
+            before = None if trial is None or not timing.unstable_timing else self.searched.last_answer(trial)
             if before is not None and (timing.cpu_per_unit or 0.0) > (1 + TOLD) * (before.cpu_per_unit or math.inf):
-                return self.left() > self._clocking
+                return self.budget.left() > self._clocking
         return False
 
     def broken_off(self, under_way: Sequence[UnderWay]) -> None:
@@ -179,26 +230,16 @@ class Steering(Guide):
 
     def close(self) -> None:
         """Name what was left out, and take away what is not kept. Raises: OSError."""
-        if (plan := self._plan) is not None:
-            self.out += [plan.left_out(b, "time was up half-way") for b in self.blocks if b.key in self.begun - self.done]
-            for block in plan.waiting:
-                dear = self.left() > 0.0 and plan.foreseen(block) is not None
-                self.out.append(
-                    plan.left_out(block, "it is foreseen to take longer than was left" if dear else "no time was left")
-                )
+        plan = self._plan
+        self.out += [plan.left_out(b, "time was up half-way") for b in self.blocks if b.key in self.begun - self.done]
+        for block in plan.waiting:
+            dear = self.budget.left() > 0.0 and plan.foreseen(block) is not None
+            self.out.append(plan.left_out(block, "it is foreseen to take longer than was left" if dear else "no time was left"))
         self.tidy()
-
-    def go_on(self, sights: Sequence[Sight], records: Iterable[Record]) -> None:
-        """Begin where a night was broken off. Args: sights: what it had saved. records: of its journal."""
-        kept = [record for record in records if record.trajectory_kept]
-        self.hashes |= {record.trajectory_hash for record in kept}
-        new = {record.trajectory_hash for record in kept if not record.recalled and record.trajectory_hash is not None}
-        self._kept = sum(self._size(each) for each in new if not self.pool.trajectory_path(each).is_file())
-        self.tallies |= {sight.key: sight for sight in sights}
 
     def tidy(self) -> None:
         """Put the trajectories that are kept into the pool, take the others away. Raises: OSError."""
-        for path in sorted((self.folder / "trajectories").glob("[!.]*.npz")):
+        for path in sorted((self.night.folder / "trajectories").glob("[!.]*.npz")):
             if path.stem in self.hashes:
                 self.pool.keep_trajectory(path)
             else:
@@ -230,31 +271,34 @@ class Steering(Guide):
         return None if found.recalled < self.distrusted.get((trial.case, trial.engine), "") else found
 
     def _link(self, trajectory_hash: str) -> bool:
-        """Lay a trajectory of the pool into the night: is it there?"""
-        if self.keep == "none":
+        """Lay a trajectory of the pool into the night: does it stay there?"""
+        path = self._path(trajectory_hash)
+        if self.request.keep == "none" or not (path.is_file() or self.pool.lay(path)):
             return False
-        path = self.folder / "trajectories" / f"{trajectory_hash}.npz"
-        return path.is_file() or self.pool.lay(path)
+        self.hashes.add(trajectory_hash)
+        return True
 
     def _stays(self, trial: Trial, record: Record) -> bool:
         """Does a computed trajectory stay?"""
-        if self.keep == "none":
+        own, keep = record.trajectory_hash, self.request.keep
+        if own is None or keep == "none":
             return False
-        if record.trajectory_hash is not None and self.pool.trajectory_path(record.trajectory_hash).is_file():
-            return True
-        before = self.searched.last.of(trial)
-        as_before = before is not None and (before.status, before.trajectory_hash) == ("passed", record.trajectory_hash)
-        if self.keep == "changed" and record.status == "passed" and as_before:
-            return False
-        size = self._size(str(record.trajectory_hash))
-        if self._kept + size > MOST_KEPT:
-            return False
-        self._kept += size
+        if not self.pool.trajectory_path(own).is_file():
+            before = self.searched.last_answer(trial)
+            as_before = before is not None and (before.status, before.trajectory_hash) == ("passed", own)
+            size = self._size(own)
+            if (keep == "changed" and record.status == "passed" and as_before) or self._kept + size > MOST_KEPT:
+                return False
+            self._kept += size
+        self.hashes.add(own)
         return True
+
+    def _path(self, trajectory_hash: str) -> Path:
+        return self.night.folder / "trajectories" / f"{trajectory_hash}.npz"
 
     def _size(self, trajectory_hash: str) -> int:
         """Bytes of a trajectory in the night's folder, 0 where it is not there."""
-        path = self.folder / "trajectories" / f"{trajectory_hash}.npz"
+        path = self._path(trajectory_hash)
         return path.stat().st_size if path.is_file() else 0
 
     def _tally(self, key: Key) -> Sight:

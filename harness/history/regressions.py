@@ -12,12 +12,10 @@ from plumbline.harness.findings.changes import Change
 from plumbline.harness.findings.changes.answers import as_good
 from plumbline.harness.findings.changes.weights import heaviest_first
 from plumbline.harness.findings.changes.words import command_in, sentence, titled
-from plumbline.harness.history.acknowledged import acknowledged, silenced
 from plumbline.harness.history.folder import History, Night
-from plumbline.harness.history.identity import NEAR, Named, change_id
-from plumbline.harness.history.normalisation import over_segments
+from plumbline.harness.history.identity import NEAR, Named, acknowledged, change_id, silenced
 from plumbline.harness.history.readings import Content, NightOf, said_by, table_of
-from plumbline.harness.history.series import Series, series_of
+from plumbline.harness.history.series import Series, over_segments, series_of
 from plumbline.harness.history.steps import Step, exact_steps, price_steps
 from plumbline.harness.statistics.change_points import levelled
 from plumbline.harness.statistics.drift import one_drift
@@ -117,7 +115,7 @@ def read_trends(history: History) -> Trends:
         nights=nights,
         series=series,
         steps=tuple(step for step in steps if step.members),
-        dated=date(nights, steps, acknowledged(history), named_by(night.plan for night in over if night.whole)),
+        dated=date(nights, steps, acknowledged(history)[0], named_by(night.plan for night in over if night.whole)),
         titles={name: title for night in nights for name, title in (night.titles or {}).items()},
         unread=tuple(unread),
     )

@@ -9,12 +9,12 @@ from plumbline.harness.findings.changes import Change, Changes
 from plumbline.harness.findings.changes.answers import as_good
 from plumbline.harness.findings.changes.comment import comment
 from plumbline.harness.findings.changes.words import command, headline, judged_in_short, sentence
-from plumbline.harness.history.acknowledged import silenced
 from plumbline.harness.history.changes_since import News
 from plumbline.harness.history.gate import counted, without_answers
-from plumbline.harness.history.identity import Named, change_id
+from plumbline.harness.history.identity import Named, change_id, silenced
 from plumbline.harness.intake.safe_text import markdown_cell
 
+_KEPT = ("kind", "sense", "case", "engine", "track", "metric", "where", "dt", "before", "after", "regression")
 _FIRST = 8
 """Names that a line has room for."""
 _MOST = 25
@@ -26,24 +26,9 @@ def told(row: Change, changes: Changes, since: str) -> dict[str, Any]:
 
     Args: since: its first night. Returns: also 'lasting', what it is called whatever the night.
     """
-    return {
-        "id": change_id(row, since),
-        "lasting": change_id(row, ""),
-        "first_seen": since,
-        "kind": row.kind,
-        "sense": row.sense,
-        "case": row.case,
-        "engine": row.engine,
-        "track": row.track,
-        "metric": row.metric,
-        "where": row.where,
-        "dt": row.dt,
-        "before": row.before,
-        "after": row.after,
-        "regression": row.regression,
-        "sentence": sentence(row),
-        "command": command(row, changes),
-    }
+    about = {"id": change_id(row, since), "lasting": change_id(row, ""), "first_seen": since}
+    about |= {name: getattr(row, name) for name in _KEPT}
+    return about | {"sentence": sentence(row), "command": command(row, changes)}
 
 
 def left_out_in_short(rows: Sequence[Mapping[str, Any]]) -> str:
@@ -143,7 +128,7 @@ def outcomes_in_short(plan: Mapping[str, Any]) -> str:
 def _ended(plan: Mapping[str, Any]) -> list[str]:
     """How trials ended, what the budget left out and what had no answer, a line each."""
     lines = outcomes_in_short(plan), left_out_in_short(plan["left_out"]), unanswered_in_short(plan.get("unanswered", ()))
-    return [line for line in lines if line]
+    return [*filter(None, lines)]
 
 
 def lines_of(news: News | None, plan: Mapping[str, Any], findings: Sequence[str], failing: Sequence[str]) -> list[str]:

@@ -7,7 +7,7 @@ A step counts for the group where most of its members take it; it is then taken 
 
 import json
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Generator, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
@@ -26,9 +26,8 @@ from plumbline.harness.findings.changes.values import Beside
 from plumbline.harness.findings.limits_found import Search
 from plumbline.harness.findings.tables.determinism import Agreement
 from plumbline.harness.history.folder import Night
-from plumbline.harness.history.normalisation import over_segments
 from plumbline.harness.history.readings import EXACT, answer_key
-from plumbline.harness.history.series import Series
+from plumbline.harness.history.series import Series, over_segments
 from plumbline.harness.statistics.change_points import FEWEST, ChangePoint, change_points, common_mode, levelled
 from plumbline.harness.trajectory import Floats
 
@@ -108,21 +107,24 @@ def _of_engine(groups: Sequence[Sequence[Series]], chance: float) -> Iterator[St
     if len(groups) >= FEWEST_CASES:
         by_case = np.array([levelled(group) for group in rows])
         whole = np.where(np.isfinite(by_case).any(axis=0), common_mode(by_case), np.nan)
-        points = _shared(change_points(whole, segments, chance), by_case, segments)
-        taken = _staircase(points, segments)
-        yield from (_step(point, members, case="") for point in points)
+        taken = yield from _together(whole, by_case, members, segments, chance)
     for group, values in zip(groups, rows, strict=True):
-        yield from _of_case(group, values / taken, segments, chance)
+        alone, case = values / taken, group[0].case
+        if len(group) > 1:
+            alone = alone / (yield from _together(levelled(alone), alone, group, segments, chance, case))
+        for each, row in zip(group, alone, strict=True):
+            yield from (_step(point, [each], case) for point in change_points(row, each.segments, chance))
 
 
-def _of_case(group: Sequence[Series], rows: Floats, segments: NDArray[np.int64], chance: float) -> Iterator[Step]:
-    taken = np.ones(len(segments))
-    if len(group) > 1:
-        points = _shared(change_points(levelled(rows), segments, chance), rows, segments)
-        taken = _staircase(points, segments)
-        yield from (_step(point, group, case=group[0].case) for point in points)
-    for each, row in zip(group, rows, strict=True):
-        yield from (_step(point, [each], case=each.case) for point in change_points(row / taken, each.segments, chance))
+def _together(
+    whole: Floats, rows: Floats, members: Sequence[Series], segments: NDArray[np.int64], chance: float, case: str = ""
+) -> Generator[Step, None, Floats]:
+    """The steps of what moves together (n,) that most of its rows (s, n) take. Returns: what they multiply nights by (n,)."""
+    factor, nights = np.ones(len(segments)), np.arange(len(segments))
+    for point in _shared(change_points(whole, segments, chance), rows, segments):
+        factor[(segments == segments[point.index]) & (nights >= point.index)] *= point.ratio
+        yield _step(point, members, case)
+    return factor
 
 
 def _shared(points: Sequence[ChangePoint], rows: Floats, segments: NDArray[np.int64]) -> list[ChangePoint]:
@@ -146,15 +148,7 @@ def _size(row: Floats, before: NDArray[np.bool_], after: NDArray[np.bool_]) -> f
     return float(np.median(logs[1]) - np.median(logs[0])) if min(map(len, logs)) >= FEWEST else math.nan
 
 
-def _staircase(points: Sequence[ChangePoint], segments: NDArray[np.int64]) -> Floats:
-    """What the points multiply each night by (n,)."""
-    factor = np.ones(len(segments))
-    for point in points:
-        factor[(segments == segments[point.index]) & (np.arange(len(segments)) >= point.index)] *= point.ratio
-    return factor
-
-
-def _step(point: ChangePoint, members: Sequence[Series], *, case: str) -> Step:
+def _step(point: ChangePoint, members: Sequence[Series], case: str) -> Step:
     """Args: case: '' for an engine as a whole."""
     first, alone = members[0], len(members) == 1
     about: dict[str, Any] = {"metric": first.metric if case else "CPU time", "unit": "1"}

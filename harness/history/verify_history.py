@@ -4,9 +4,9 @@ import json
 from collections.abc import Iterator
 from pathlib import Path
 
-from plumbline.harness.history.acknowledged import read_acknowledged
 from plumbline.harness.history.answer_store import Pool
 from plumbline.harness.history.folder import NIGHT, History
+from plumbline.harness.history.identity import acknowledged
 from plumbline.harness.history.readings import FOLDER
 from plumbline.harness.run.verify import Problem, problems
 from plumbline.harness.store import disk
@@ -22,7 +22,7 @@ _KNOWN = ("history.json", "lock", "nights", "pool", "acknowledged.jsonl", FOLDER
 def problems_of(history: History) -> Iterator[Problem]:
     """All that is wrong with a history, file by file; it is only read. Raises: StoreError."""
     yield from _sealed(history.root / "history.json", "restore it")
-    for error in (*read_acknowledged(history)[1], *history.unread()):
+    for error in (*acknowledged(history)[1], *history.unread()):
         yield Problem(error.path, error.what, error.cure)
     sound = set[tuple[int, int]]()
     yield from _pool(Pool(history.pool), sound)

@@ -6,19 +6,26 @@ Two engines, two cases, sixteen answers a night, clocks by formula with noise of
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass, replace
+from datetime import datetime, timedelta, tzinfo
 from functools import partial
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+from plumbline.harness.case import Case
+from plumbline.harness.history import folder, night_policy
+from plumbline.harness.history import night as night_module
 from plumbline.harness.history.folder import opened
 from plumbline.harness.history.gate import reasons, without_answers
-from plumbline.harness.history.night import Asked
+from plumbline.harness.history.night_policy import Asked
 from plumbline.harness.history.sentences import open_since
-from plumbline.harness.run import campaign
+from plumbline.harness.run import campaign, resume
+from plumbline.harness.store.machine_fingerprint import fingerprint
 from plumbline.harness.store.record import Record
+from plumbline.harness.study import plugins
 from tests import nights as planting
 from tests.nights import NONE, STUDY, Fault, asked, drawn, night, one_ulp_off, planted, rougher
 from tests.unit.test_gate import restless
@@ -64,6 +71,75 @@ def noise(share: float, fault: Fault = NONE) -> Iterator[None]:
 
 
 @contextmanager
+def clock(days: float, fault: Fault = NONE) -> Iterator[None]:
+    """The machine's clock is so far ahead of this one."""
+
+    class Shifted(datetime):
+        @classmethod
+        def now(cls, tz: tzinfo | None = None) -> datetime:  # type: ignore[override]
+            return datetime.now(tz) + timedelta(days=days)
+
+    with pytest.MonkeyPatch.context() as patch, planted(fault):
+        for module in (night_module, folder):
+            patch.setattr(module, "datetime", Shifted)
+        yield
+
+
+@contextmanager
+def other_machine(fault: Fault = NONE, slow: float = 1.6) -> Iterator[None]:
+    """Another machine, on which everything is so many times as dear."""
+
+    def named() -> dict[str, Any]:
+        return {**fingerprint(), "processor": "another"}
+
+    with pytest.MonkeyPatch.context() as patch, planted(fault):
+        for module in (campaign, night_policy):
+            patch.setattr(module, "fingerprint", named)
+        patch.setattr(planting, "SLOW", slow)
+        yield
+
+
+@contextmanager
+def other_parameters(fault: Fault = NONE) -> Iterator[None]:
+    """One case is of other parameters than before."""
+    plain = plugins.case
+
+    def case(name: str) -> Case:
+        found = plain(name)
+        return replace(found, parameters=replace(found.parameters, speed=2.5)) if name == "friction_stop" else found
+
+    with pytest.MonkeyPatch.context() as patch, planted(fault):
+        patch.setattr(plugins, "case", case)
+        yield
+
+
+class Killed(BaseException):
+    """What a killed night ends by."""
+
+
+@contextmanager
+def dying(fault: Fault = NONE) -> Iterator[None]:
+    """The night is killed behind five answers."""
+    with planted(fault):
+        answers = campaign.run_isolated
+
+        def until_dead(*arguments: Any) -> Iterator[Record]:
+            yield from islice(answers(*arguments), 5)
+            raise Killed
+
+        campaign.run_isolated = until_dead
+        yield
+
+
+@contextmanager
+def gone_on(fault: Fault) -> Iterator[None]:
+    """By an engine of other sources than when the night began."""
+    with pytest.MonkeyPatch.context() as patch, planted(fault):
+        patch.setattr(resume, "what_changed", lambda _case, engine, *_: "its source" if engine == fault.engine else "")
+        yield
+
+
+@contextmanager
 def unstable(slow: float) -> Iterator[None]:
     """Our engine's samples stray by half, and one case is so many times as dear."""
     with planted():
@@ -83,6 +159,7 @@ class Planted:
     says: dict[int, str]
     asks: dict[int, Callable[[], Asked]] | None = None
     share: float = 0.0
+    killed: tuple[int, ...] = ()
 
 
 def dear(times: float, engine: str = "reference", scene: Any = planting._as_it_is) -> Callable[[], AbstractContextManager[Any]]:
@@ -188,8 +265,8 @@ HISTORIES = (
         {6: "friction_stop on reference"},
         asks=dict.fromkeys(range(1, 6), fewer_steps),
     ),
-    Planted("a rise of 1 % a night over 33", tuple(dear(1.01**k) for k in range(33)), (), {ANY: "over all nights"}),
-    Planted("a rise of 3 % a night over 12", tuple(dear(1.03**k) for k in range(12)), (0,) * 12, {11: ""}),
+    Planted("a rise of 1 % a night over 33", tuple(dear(1.01**k) for k in range(33)), (), {ANY: "reference: as a whole"}),
+    Planted("a rise of 3 % a night over 12", tuple(dear(1.03**k) for k in range(12)), (), {4: "reference: as a whole"}),
     Planted(
         "a new version by its suffix alone, dearer with a fault",
         (partial(version, "3.3.0"), partial(version, "3.3.0.post1", Fault(engine="reference", price=1.3, scene=rougher))),
@@ -199,9 +276,68 @@ HISTORIES = (
     Planted(
         "a fault in the night in which the experiments are renamed",
         (sound, rough, rough),
-        (0, 0, 0),
-        {1: ""},
+        (0, 1, 0),
+        {1: "friction_stop on reference"},
         asks={1: renamed, 2: renamed},
+    ),
+    Planted(
+        "the clock set back by a day, then a fault",
+        (partial(clock, 1.0), sound, rough),
+        (0, 0, 1),
+        {1: "", 2: "friction_stop on reference"},
+    ),
+    Planted(
+        "the clock set back by an hour in the night of a fault",
+        (sound, partial(clock, -1 / 24, Fault(engine="reference", scene=rougher))),
+        (0, 1),
+        {1: "friction_stop on reference"},
+    ),
+    Planted(
+        "one night named a month ahead, then 20 % dearer",
+        (sound, partial(clock, 30.0), dear(1.2)),
+        (0, 0, 1),
+        {1: "", 2: "reference: as a whole"},
+    ),
+    Planted("a night on a slower machine, nothing else", (sound, other_machine, sound), (0, 0, 0), {1: "", 2: ""}),
+    Planted(
+        "a fault in the night on a slower machine",
+        (sound, partial(other_machine, Fault(engine="reference", scene=rougher))),
+        (0, 1),
+        {1: "friction_stop on reference"},
+    ),
+    Planted(
+        "20 % dearer in the night on a slower machine",
+        (sound, partial(other_machine, Fault(engine="reference", price=1.2))),
+        (0, 0),
+        {1: ""},
+    ),
+    Planted(
+        "20 % dearer behind a night on a slower machine",
+        (sound, other_machine, dear(1.2)),
+        (0, 0, 1),
+        {2: "reference: as a whole"},
+    ),
+    Planted(
+        "a night killed half-way, gone on with by an engine with a fault",
+        (sound, dying, partial(gone_on, Fault(engine="reference", scene=rougher))),
+        (0, 1),
+        {1: "friction_stop on reference"},
+        share=1.0,
+        killed=(1,),
+    ),
+    Planted(
+        "a night killed half-way, gone on with 20 % dearer",
+        (sound, dying, partial(planted, Fault(engine="reference", price=1.2, known=False))),
+        (0, 1),
+        {1: "reference: as a whole"},
+        share=1.0,
+        killed=(1,),
+    ),
+    Planted(
+        "a fault in the night that changes a case's parameters",
+        (sound, partial(other_parameters, Fault(engine="reference", scene=rougher))),
+        (0, 0),
+        {1: ""},
     ),
 )
 
@@ -211,6 +347,10 @@ def carried_out(history: Planted, root: Path) -> Iterator[tuple[int, list[str], 
     for number, under in enumerate(history.nights):
         with pytest.MonkeyPatch.context() as patch:
             drawn(patch, history.share)
+            if number in history.killed:
+                with under(), pytest.raises(Killed):
+                    night(root, asked())
+                continue
             with under():
                 last, news, account = night(root, ((history.asks or {}).get(number) or asked)())
         said = [*(row["sentence"] for row in account["told"]), *without_answers(account, ENGINES)]

@@ -6,27 +6,30 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
+from datetime import timedelta
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from plumbline.harness.history import night_policy
 from plumbline.harness.history.blocks import last_to_see
 from plumbline.harness.history.changes_since import EARLIER, News
-from plumbline.harness.history.folder import opened
+from plumbline.harness.history.folder import opened, stamp_of
 from plumbline.harness.history.gate import reasons
 from plumbline.harness.history.regressions import read_trends
 from plumbline.harness.history.retention import prune, pruning
 from plumbline.harness.history.sentences import open_since
 from plumbline.harness.run import campaign
 from plumbline.harness.run.timing_protocol import summarise
+from plumbline.harness.store.machine_fingerprint import fingerprint
 from plumbline.harness.store.record import Record, Sample, Timing
 from plumbline.harness.store.store import write_json
 from plumbline.harness.study import plugins
 from plumbline.harness.study.trial import Trial
 from tests.conftest import Command
 from tests.in_process import steps_of_run
-from tests.nights import NONE, STUDY, Fault, asked, drawn, night, planted, rougher
+from tests.nights import CELLS, NONE, STUDY, Fault, asked, drawn, night, planted, rougher
 from tests.unit.test_history_news import FILE
 
 ROUGHER = Fault(engine="reference", scene=rougher)
@@ -83,9 +86,10 @@ def test_nights_of_another_study_hide_no_fault_from_the_next_of_this_one(root: P
     assert {case for _, case in worse(news)} == {"friction_stop"}
 
 
-def test_a_night_of_a_study_that_none_before_asked_says_that_nothing_was_seen(root: Path) -> None:
+def test_a_night_of_questions_that_none_before_asked_says_that_nothing_was_seen(root: Path) -> None:
     with planted(ROUGHER):
-        _, news, account = night(root, asked(replace(LOOK, name="other")))
+        other_steps = replace(LOOK, name="other", experiments=(replace(LOOK.experiments[0], dt=(1 / 120,)),))
+        _, news, account = night(root, asked(other_steps))
     assert news is None
     assert reasons(news, account, ("reference",), 0.9) == ["not judged: nothing of it was seen before"]
 
@@ -285,3 +289,54 @@ def test_a_study_of_fewer_steps_hides_no_fault_at_the_others(root: Path) -> None
         _, news, _ = night(root, asked(replace(STUDY, experiments=(friction,))))
     assert news is not None
     assert {round(1 / row.dt) for row in news.regressions(("reference",))} == {60, 240}
+
+
+def test_what_asks_something_else_than_before_counts_as_not_judged(root: Path) -> None:
+    """A case whose parameters change in the night of a fault: nothing is worse, and not all was judged."""
+    plain = plugins.case
+    faster = replace(plain("friction_stop"), parameters=replace(plain("friction_stop").parameters, speed=2.5))  # type: ignore[type-var]
+    with planted(ROUGHER), pytest.MonkeyPatch.context() as patch:
+        patch.setattr(plugins, "case", lambda name: faster if name == "friction_stop" else plain(name))
+        _, news, account = night(root)
+    assert news is not None
+    judged = news.changes.judged_of(("reference",))
+    assert (judged.answers, judged.all_answers, judged.prices, judged.all_prices) == (6, 8, 6, 8)
+    assert reasons(news, account, ("reference",), 0.9)
+    assert not reasons(news, account, ("reference",), 0.0)
+
+
+def test_a_run_that_was_put_among_the_nights_hides_nothing(root: Path, tmp_path: Path) -> None:
+    """As merged shards are: with the same fault, under the name of a later night, and without what makes it one."""
+    first = opened(root).nights()[0]
+    shutil.copytree(root, tmp_path / "other")
+    with planted(ROUGHER):
+        other, _, _ = night(tmp_path / "other")
+    put = opened(root).night(stamp_of(first.began + timedelta(seconds=1))).folder
+    shutil.copytree(other.folder, put, ignore=shutil.ignore_patterns("night.json"))
+    with planted(ROUGHER):
+        _, news, _ = night(root)
+    assert worse(news) == {("verdict", "friction_stop")}
+
+
+def test_prices_are_those_of_the_last_night_on_this_machine(root: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    with monkeypatch.context() as patch, planted(Fault(engine="reference", price=1.6)):
+        for module in (campaign, night_policy):
+            patch.setattr(module, "fingerprint", lambda: {**fingerprint(), "processor": "another"})
+        _, elsewhere, _ = night(root)
+    assert elsewhere is not None
+    assert worse(elsewhere) == set()
+    assert elsewhere.changes.judged_of(("reference",)).prices == 0
+    with planted(Fault(engine="reference", price=1.2)):
+        _, news, _ = night(root)
+    assert news is not None
+    (whole,) = (row for row in news.regressions(("reference",)) if not row.case)
+    assert whole.ratio == pytest.approx(1.2, rel=0.02)
+
+
+def test_what_is_asked_under_other_names_is_compared_by_what_it_asks(root: Path) -> None:
+    renamed = replace(STUDY, name="other", experiments=tuple(replace(e, name=f"{e.name}_2") for e in STUDY.experiments))
+    with planted(ROUGHER):
+        _, news, _ = night(root, asked(renamed))
+    assert worse(news) == {("verdict", "friction_stop")}
+    assert news is not None
+    assert news.changes.matched == CELLS

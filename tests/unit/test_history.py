@@ -15,8 +15,7 @@ from plumbline.harness.history.budget import bytes_of
 from plumbline.harness.history.folder import created, opened
 from plumbline.harness.history.listing import COLUMNS, rows
 from plumbline.harness.history.lock import locked
-from plumbline.harness.history.night import Asked
-from plumbline.harness.history.night_policy import AGAIN, computed_again
+from plumbline.harness.history.night_policy import AGAIN, Asked, computed_again
 from plumbline.harness.history.remote_storage import copy_of
 from plumbline.harness.history.retention import prune, pruning
 from plumbline.harness.history.verify_history import problems_of

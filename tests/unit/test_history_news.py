@@ -14,10 +14,9 @@ import pytest
 
 from plumbline.harness.findings.changes.words import command, sentence
 from plumbline.harness.findings.vendor.shelf import shelf
-from plumbline.harness.history.acknowledged import acknowledge
 from plumbline.harness.history.folder import opened, stamp_of
-from plumbline.harness.history.identity import Named, change_id
-from plumbline.harness.history.night import Asked
+from plumbline.harness.history.identity import Named, acknowledge, change_id
+from plumbline.harness.history.night_policy import Asked
 from plumbline.harness.history.regressions import read_trends
 from plumbline.harness.history.sentences import unanswered_in_short, worse_in_short
 from plumbline.harness.history.verify_history import problems_of

@@ -24,13 +24,16 @@ from plumbline.harness.store.machine_fingerprint import machine_digest
 from plumbline.harness.store.store import Store
 
 
-def compare(store_a: Store, store_b: Store, about: Callable[[Any], bool] = lambda _row: True) -> Changes:
+def compare(
+    store_a: Store, store_b: Store, about: Callable[[Any], bool] = lambda _row: True, *, renamed: bool = False
+) -> Changes:
     """All that differs from `store_a` to `store_b`, heaviest first.
 
-    Args: about: of which rows of the table `trials` it is; prices of the others are clocked beside them all the same.
+    Args: about: of which rows of the table `trials` it is; prices of the others are clocked beside them all the same. renamed:
+    as `matched` takes it.
     Raises: StoreError.
     """
-    all_pairs = matched(store_a, store_b)
+    all_pairs = matched(store_a, store_b, renamed=renamed)
     every = [pair for pair in all_pairs if about(pair.either)]
     pairs = [pair for pair in every if pair.a is not None and pair.b is not None]
     answered = [pair for pair in pairs if not pair.lost]

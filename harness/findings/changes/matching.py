@@ -5,7 +5,7 @@ Names of trials cover versions and sources, so that they differ where anything w
 
 import json
 from collections import Counter
-from collections.abc import Hashable, Iterable, Mapping
+from collections.abc import Collection, Hashable, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import PurePath
 from typing import Any
@@ -19,6 +19,8 @@ _ASKED = (
     "study", "experiment", "parameters", "engine", "track", "dt", "seed", "clocks", "workers", "alteration", "members",
     "remedy", "parts",
 )  # fmt: skip
+_NAMES = ("study", "experiment")
+"""What a question is called by, and not what is asked."""
 _SINCE = {"clocks": "work", "workers": 1}
 """What trials of a folder from before there were these columns mean by their absence."""
 _APART = ("engine_version", "settings")
@@ -51,9 +53,15 @@ class Pair:
         return isinstance(self.a.trajectory_hash, str) and self.a.trajectory_hash == self.b.trajectory_hash
 
 
-def matched(store_a: Store, store_b: Store) -> tuple[Pair, ...]:
-    """Every trial of both folders once, in the order of B and then of what A has alone."""
+def matched(store_a: Store, store_b: Store, *, renamed: bool = False) -> tuple[Pair, ...]:
+    """Every trial of both folders once, in the order of B and then of what A has alone.
+
+    Args: renamed: every trial of B by what it asks, whatever study and experiment ask it, beside the last of A that asks it.
+    """
     rows_a, rows_b = (list(store.trials.itertuples()) for store in (store_a, store_b))
+    if renamed:
+        asked = {_key(row, _NAMES): row for row in rows_a}
+        return tuple(Pair(asked.get(_key(row, _NAMES)), row) for row in rows_b)
     keys_a, keys_b = ([_key(row) for row in rows] for rows in (rows_a, rows_b))
     ambiguous = {key for keys in (keys_a, keys_b) for key, count in Counter(keys).items() if count > 1}
 
@@ -75,8 +83,8 @@ def by_question(store: Store) -> dict[Hashable, Any]:
     return rows
 
 
-def _key(row: Any) -> Hashable:
-    return scene_of(str(row.case)), *(getattr(row, name, _SINCE.get(name)) for name in _ASKED)
+def _key(row: Any, without: Collection[str] = ()) -> Hashable:
+    return scene_of(str(row.case)), *(getattr(row, name, _SINCE.get(name)) for name in _ASKED if name not in without)
 
 
 def scene_of(case: str) -> str:

@@ -3,6 +3,8 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import numpy as np
+
 from plumbline.harness.findings.agreement.perturbed_starts import LAWS, Balance, Outlook, foreseeable_until
 from plumbline.harness.findings.agreement.values import Agreement, Side
 
@@ -26,6 +28,12 @@ def distance_words(distance: float) -> str:
     units = ((1.0, "m"), (1e3, "mm"), (1e6, "µm"), (1e9, "nm"))
     by, unit = next(((by, unit) for by, unit in units if distance * by >= 1), units[-1])
     return f"{distance * by:.3g} {unit}"
+
+
+def angle_words(angle: float) -> str:
+    """An angle [rad]: '114 degrees', from two turns on '5.3 turns'."""
+    degrees = float(np.degrees(angle))
+    return f"{degrees:.3g} degrees" if degrees < 720 else f"{degrees / 360:.3g} turns"
 
 
 def length(value: float, agreement: Agreement) -> str:

@@ -13,12 +13,13 @@ import pytest
 
 from plumbline.harness.case.own_titles import title_of
 from plumbline.harness.case.scene_file import own_case
-from plumbline.harness.cli.own_scene import closing_count, closing_words
+from plumbline.harness.cli.own_scene import closing_count, closing_words, waiting
 from plumbline.harness.findings import tables
 from plumbline.harness.findings.agreement import agreements, balances, errors_of, outlooks
 from plumbline.harness.findings.agreement.costs import best_setting
 from plumbline.harness.findings.agreement.happened import happenings
 from plumbline.harness.findings.agreement.setting_causes import Turned, settings_turned
+from plumbline.harness.findings.agreement.so_far import words_so_far
 from plumbline.harness.findings.agreement.values import Side, Word
 from plumbline.harness.findings.prices import Prices
 from plumbline.harness.findings.selection import Wish, choose
@@ -28,6 +29,7 @@ from plumbline.harness.findings.sensor_readings.converged import converged_readi
 from plumbline.harness.run.campaign import carry_out
 from plumbline.harness.scene import Body, Imu, Scene, sphere_inertia
 from plumbline.harness.scene.file import dump_toml, load
+from plumbline.harness.store.journal import read_journal
 from plumbline.harness.store.store import Store
 from plumbline.harness.study import plugins
 from plumbline.harness.study.experiment import Refinement
@@ -373,3 +375,26 @@ def test_what_happens_is_told_with_who_differs_in_it(fallen: Done) -> None:
         assert {event.body for event in group.events} <= {"box_0"}
         assert "passed through" not in {event.kind for event in group.events}
     assert closing_words(fallen.store)[1].startswith("What happens")
+
+
+def test_a_first_look_tells_what_is_known_so_far_and_gives_no_verdict(
+    gripping: Done, thrown: Done, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Three steps of a ladder whose limits end apart say that they lie apart so far: smaller ones may bring them together."""
+    for done in (gripping, thrown):
+        records = list(read_journal(done.store.folder / "journal.jsonl").values())
+        first = [each for each in records if each.trial in set(done.store.asked["trial"]) and each.dt > 1 / 1000]
+        waiting({done.case: plugins.case(done.case)}, done.store.folder, None)._look(first)
+        shown, said = capsys.readouterr()
+        told = shown + said
+        assert "no verdict yet" in shown
+        assert not any(word in told for word in ("agrees", "converge", "limit", "camp", "known to"))
+        assert "Smaller steps may change that." in said
+    assert said.startswith("So far together to the end: ")
+
+    (agreement,) = agreements(gripping.store)
+    verdicts = ("converges elsewhere", "does not converge")
+    sides = tuple(replace(side, word=word, distance=0.5) for side, word in zip(agreement.sides, verdicts, strict=True))
+    (told, *_) = words_so_far(gripping.store, replace(agreement, sides=sides), {"mujoco": "MuJoCo"})
+    apart_and_open = r"So far apart, by 50 % .*at most: MuJoCo \(default\); not settled yet: MuJoCo \(tuned\)\. Smaller .*"
+    assert re.fullmatch(apart_and_open, told)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 from plumbline.harness.findings.agreement.values import Agreement
-from plumbline.harness.findings.agreement.words import angle_words, distance_words, listed
+from plumbline.harness.findings.agreement.words import angle_words, called, distance_words, listed
 from plumbline.harness.scene import Scene
 from plumbline.harness.scene.file import parse
 from plumbline.harness.store.store import Store
@@ -128,9 +128,9 @@ def happened_words(groups: Sequence[Happened], agreement: Agreement, titles: Map
         return []
     first, *others = groups
     sentence = body_words(first.events) or "no body rests, bounces, tips, slides or meets a stop"
-    lines = [f"What happens{'' if not others else ' on ' + _of(first, agreement, titles)}: {sentence}."]
+    lines = [f"What happens{'' if not others else ' on ' + called(first.sides, agreement, titles)}: {sentence}."]
     for other in others:
-        lines.append(f"Otherwise on {_of(other, agreement, titles)}: {_differing(first.events, other.events)}.")
+        lines.append(f"Otherwise on {called(other.sides, agreement, titles)}: {_differing(first.events, other.events)}.")
     return lines
 
 
@@ -162,8 +162,7 @@ def end_words(groups: Sequence[Happened], store: Store, agreement: Agreement, ti
             what = f": {_differing(groups[0].events, finest_events)}"
         ends.setdefault((side.limit.seen_until, what), []).append((side.engine, side.track))
     parts = [
-        f"{_of(Happened(sides=tuple(sides), events=()), agreement, titles)} from {f'{time:.3g} s' if time else 'the start'} "
-        f"on{what}"
+        f"{called(sides, agreement, titles)} from {f'{time:.3g} s' if time else 'the start'} on{what}"
         for (time, what), sides in sorted(ends.items())
     ]
     return [f"Smaller steps no longer agree with each other on {'; on '.join(parts)}."] if parts else []
@@ -186,17 +185,3 @@ _LACKING: Mapping[Kind, str] = {
     "hit the stop": "does not hit the stop of '{other}'",
     "at rest": "is not at rest at the end",
 }
-
-
-def _of(group: Happened, agreement: Agreement, titles: Mapping[str, str]) -> str:
-    """'Bullet (default) and DART'."""
-    tracks: dict[str, list[str]] = {}
-    for engine, track in group.sides:
-        tracks.setdefault(engine, []).append(track)
-    every = {engine: {side.track for side in agreement.sides if side.engine == engine} for engine in tracks}
-    return listed(
-        [
-            titles.get(engine, engine) + ("" if set(mine) == every[engine] else f" ({listed(mine)})")
-            for engine, mine in tracks.items()
-        ]
-    )

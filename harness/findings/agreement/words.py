@@ -47,15 +47,12 @@ def listed(names: Sequence[str]) -> str:
     return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}" if names else ""
 
 
-def _called(agreement: Agreement, letter: str, titles: Mapping[str, str]) -> str:
-    """The engines of a camp, each once, with the track where only one of its tracks stands there."""
-    members = agreement.members(letter)
+def called(sides: Sequence[tuple[str, str]], agreement: Agreement, titles: Mapping[str, str]) -> str:
+    """'Bullet (default) and DART': engines, each once, with the track where only one of its tracks is meant."""
     tracks: dict[str, list[str]] = {}
-    for side in members:
-        tracks.setdefault(side.engine, []).append(side.track)
-    every: dict[str, set[str]] = {}
-    for side in agreement.sides:
-        every.setdefault(side.engine, set()).add(side.track)
+    for engine, track in sides:
+        tracks.setdefault(engine, []).append(track)
+    every = {engine: {side.track for side in agreement.sides if side.engine == engine} for engine in tracks}
     return listed(
         [
             titles.get(engine, engine) + ("" if set(mine) == every[engine] else f" ({listed(mine)})")
@@ -64,7 +61,12 @@ def _called(agreement: Agreement, letter: str, titles: Mapping[str, str]) -> str
     )
 
 
-def _up_to(agreement: Agreement, time: float) -> str:
+def _camp(agreement: Agreement, letter: str, titles: Mapping[str, str]) -> str:
+    return called([(side.engine, side.track) for side in agreement.members(letter)], agreement, titles)
+
+
+def up_to(agreement: Agreement, time: float) -> str:
+    """'up to 0.3 s'."""
     return "to the end" if time >= 0.999 * agreement.duration else f"up to {time:.3g} s"
 
 
@@ -72,7 +74,7 @@ def headline(agreement: Agreement, titles: Mapping[str, str]) -> str:
     """What is known of the scene, in one sentence."""
     if agreement.agreed:
         voters = [titles.get(side.engine, side.engine) for side in agreement.members(agreement.agreed) if side.votes]
-        bar, until = agreement.bar or 0.0, _up_to(agreement, agreement.until)
+        bar, until = agreement.bar or 0.0, up_to(agreement, agreement.until)
         in_metres = metres(bar, agreement)
         known = f"{share(bar)} of the size of what moves{f' ({in_metres})' if in_metres else ''}"
         return f"{listed(voters)} agree on one limit {until}, known to {known}."
@@ -86,7 +88,7 @@ def headline(agreement: Agreement, titles: Mapping[str, str]) -> str:
         )
     if not agreement.camps:
         return "No limit is agreed: no engine's answers draw together as its time step shrinks."
-    camps = "; ".join(f"{letter}: {_called(agreement, letter, titles)}" for letter in agreement.camps)
+    camps = "; ".join(f"{letter}: {_camp(agreement, letter, titles)}" for letter in agreement.camps)
     return f"No limit is agreed. {'Camps' if len(agreement.camps) > 1 else 'There is one camp'}: {camps}."
 
 
@@ -97,7 +99,7 @@ def side_words(side: Side, agreement: Agreement) -> str:
     if side.word in ("cannot", "diverged", "does not converge"):
         return f"{side.word} ({side.why})" if side.why else side.word
     compared = min(side.limit.seen_until, agreement.until) if agreement.agreed else side.limit.until
-    until = "" if compared >= 0.999 * agreement.duration else f", {_up_to(agreement, compared)}"
+    until = "" if compared >= 0.999 * agreement.duration else f", {up_to(agreement, compared)}"
     until += f"; {side.why}" if side.why else ""
     if side.word == "converges elsewhere":
         since = "" if side.since is None else f" since {side.since:.3g} s"
@@ -122,7 +124,7 @@ def scene_words(agreement: Agreement, titles: Mapping[str, str]) -> list[str]:
         lines.append(f"In that limit nothing moves; it does on {listed(movers)}.")
     for gap in agreement.differences:
         if not agreement.agreed or agreement.agreed in (gap.one, gap.other):
-            here, there = (_called(agreement, letter, titles) for letter in (gap.one, gap.other))
+            here, there = (_camp(agreement, letter, titles) for letter in (gap.one, gap.other))
             lines.append(
                 f"Camp {gap.one} ({here}) and camp {gap.other} ({there}) part at {gap.since:.3g} s; up to {gap.time:.3g} "
                 f"s they come to lie {length(gap.distance, agreement)} apart, most at '{gap.body}'."

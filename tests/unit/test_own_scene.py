@@ -16,7 +16,7 @@ from plumbline.harness.case.scene_file import own_case
 from plumbline.harness.cli.own_scene import closing_count, closing_words, waiting
 from plumbline.harness.findings import tables
 from plumbline.harness.findings.agreement import agreements, balances, errors_of, outlooks
-from plumbline.harness.findings.agreement.costs import best_setting
+from plumbline.harness.findings.agreement.costs import best_price, best_setting
 from plumbline.harness.findings.agreement.happened import happenings
 from plumbline.harness.findings.agreement.setting_causes import Turned, settings_turned
 from plumbline.harness.findings.agreement.so_far import words_so_far
@@ -39,6 +39,8 @@ from plumbline.reports import build, write_recordings
 from plumbline.reports.html import report as html
 from plumbline.reports.page import pages
 from plumbline.reports.pages.scene import PAGE, answers_of
+from plumbline.reports.pictures import answer_pictures
+from plumbline.reports.pictures.case_pictures import sight
 from tests.in_process import clocked_by, in_this_process
 from tests.known_prices import LAWS, PLUGINS
 from tests.links import dangling
@@ -353,7 +355,8 @@ def test_each_verdict_on_the_first_screen_is_followed_by_its_cause(gripping: Don
     """Two sides that are off, one of them with a cause: it stands behind that one's verdict and in front of the other's."""
     (agreement,) = agreements(gripping.store)
     off = tuple(replace(side, word="does not converge", why="planted") for side in agreement.sides)
-    answers = {answer.title: answer for answer in answers_of(gripping.store, replace(agreement, sides=off), parted=False)}
+    seen = sight(gripping.store, gripping.case)
+    answers = {answer.title: answer for answer in answers_of(gripping.store, replace(agreement, sides=off), seen)}
     default, tuned = answers["Who is off, and why?"].sentences
     assert default.startswith("MuJoCo, default: does not converge")
     assert default.endswith("% of that.")
@@ -398,3 +401,71 @@ def test_a_first_look_tells_what_is_known_so_far_and_gives_no_verdict(
     (told, *_) = words_so_far(gripping.store, replace(agreement, sides=sides), {"mujoco": "MuJoCo"})
     apart_and_open = r"So far apart, by 50 % .*at most: MuJoCo \(default\); not settled yet: MuJoCo \(tuned\)\. Smaller .*"
     assert re.fullmatch(apart_and_open, told)
+
+
+def test_each_of_the_five_answers_has_its_picture(thrown: Done) -> None:
+    (text,) = (str(text) for name, text in PAGE.render(thrown.store).items() if name.endswith(".html"))
+    hero = text[text.index('<section class="hero') : text.index("</section>")]
+    for question, after in zip(QUESTIONS, (*QUESTIONS[1:], "Verdicts"), strict=True):
+        answer = hero[hero.index(question) : hero.index(after)]
+        assert answer.count("<svg") == answer.count('role="img"') == answer.count("<figcaption>") == 1, question
+        assert re.search(r"<(path|circle|rect) [^>]*#[0-9a-f]{6}", answer), question  # something in an engine's colour
+
+
+def test_the_picture_of_runs_has_a_mark_for_each_step_and_a_symbol_where_there_is_no_answer(gripping: Done) -> None:
+    (agreement,) = agreements(gripping.store)
+    default, tuned = agreement.sides
+    lost = replace(default.limit.rungs[0], run=None, status="diverged")
+    cut = replace(default, limit=replace(default.limit, rungs=(lost, *default.limit.rungs[1:])))
+    drawn = answer_pictures.runs_by_step(gripping.store, replace(agreement, sides=(cut, tuned)))
+    assert drawn is not None
+    assert drawn.rows is not None
+    assert [[spot.symbol for spot in line.spots] for line in drawn.rows.lines] == [["∞", "", ""], ["", "", ""]]
+    assert [words for _, words in drawn.rows.ticks] == ["1/240 s", "1/960 s"]
+
+
+def test_the_picture_of_causes_shows_what_each_setting_closes_and_without_any_how_far_each_is_off(gripping: Done) -> None:
+    (agreement,) = agreements(gripping.store)
+    turned = settings_turned(gripping.store, agreement)
+    drawn = answer_pictures.causes(gripping.store, agreement, turned)
+    assert drawn is not None
+    assert drawn.rows is not None
+    assert len(drawn.rows.lines) == len(turned)
+    first, *others = drawn.rows.lines
+    assert first.label == "MuJoCo cone"
+    assert first.strong
+    assert not any(line.strong for line in others)
+    assert first.bar is not None
+    assert drawn.rows.limit is not None
+    assert first.bar > drawn.rows.limit  # it closes more than the four fifths that make a cause
+    off = answer_pictures.causes(gripping.store, agreement, [])
+    assert off is not None
+    assert off.rows is not None
+    assert [line.label for line in off.rows.lines] == ["MuJoCo default", "MuJoCo tuned"]
+
+
+def test_the_picture_of_what_to_set_ranks_by_speed_and_marks_what_is_advised(thrown: Done) -> None:
+    (agreement,) = agreements(thrown.store)
+    best = best_price(thrown.store, agreement)
+    assert best is not None
+    drawn = answer_pictures.speeds(thrown.store, agreement, best)
+    assert drawn is not None
+    assert drawn.rows is not None
+    places = [line.spots[0].x for line in drawn.rows.lines]
+    assert places == sorted(places, reverse=True)
+    (strong,) = [line for line in drawn.rows.lines if line.strong]
+    assert strong.words.endswith(f"1/{1 / (best.dt or 1.0):.4g} s")
+    nobody = answer_pictures.speeds(thrown.store, replace(agreement, case="another"), None)
+    assert nobody is not None
+    assert nobody.rows is not None
+    assert "smallest error" in nobody.rows.caption
+
+
+def test_engines_whose_limits_are_one_are_shown_as_they_move(gripping: Done) -> None:
+    """No distance has a logarithm there: the picture is that of all runs over one another."""
+    (agreement,) = agreements(gripping.store)
+    alone = replace(agreement, sides=agreement.sides[:1])
+    motion = sight(gripping.store, gripping.case).overview
+    drawn = answer_pictures.distances(gripping.store, alone, motion)
+    assert drawn is not None
+    assert drawn.panel is motion is not None

@@ -10,7 +10,7 @@ from plumbline.harness.store.store import Store
 SO_FAR: Mapping[Word, str] = {
     "agrees": "together",
     "converges elsewhere": "apart",
-    "converges": "drawing together",
+    "converges": "settling, each by itself",
     "does not converge": "not settled yet",
     "diverged": "diverged",
     "cannot": "without an answer",

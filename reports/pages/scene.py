@@ -11,7 +11,7 @@ from plumbline.harness.findings.agreement.costs import best_price, best_setting,
 from plumbline.harness.findings.agreement.happened import happened_words, happenings
 from plumbline.harness.findings.agreement.perturbed_starts import LAWS
 from plumbline.harness.findings.agreement.setting_causes import cause_words, settings_turned
-from plumbline.harness.findings.agreement.words import headline, listed, metres, side_words
+from plumbline.harness.findings.agreement.words import cut_words, headline, listed, metres, side_words
 from plumbline.harness.findings.tables import agreement as agreement_table
 from plumbline.harness.findings.tables.fidelity import of_element
 from plumbline.harness.store.imported_scenes import kept_by
@@ -161,7 +161,7 @@ def answers_of(store: Store, agreement: Agreement, seen: Sight) -> list[Answer]:
     nowhere = "No setting is known to err by 1 % or less."
     return [
         Answer("Does it run?", tuple(ended), "trials", runs_at),
-        Answer("Do they agree?", (headline(agreement, names),), "agreement", apart),
+        Answer("Do they agree?", (headline(agreement, names), *cut_words(agreement, names)), "agreement", apart),
         Answer("Who is off, and why?", tuple(who) or ("Nobody.",), "parting" if seen.parting else "agreement", closed),
         Answer(
             "What does accuracy cost?", tuple(costs) or ("Nothing was clocked at a limit that is agreed.",), "charts", cheap

@@ -21,6 +21,7 @@ from plumbline.harness.findings.agreement.happened import happenings
 from plumbline.harness.findings.agreement.setting_causes import Turned, settings_turned
 from plumbline.harness.findings.agreement.so_far import words_so_far
 from plumbline.harness.findings.agreement.values import Side, Word
+from plumbline.harness.findings.agreement.words import cut_words
 from plumbline.harness.findings.prices import Prices
 from plumbline.harness.findings.selection import Wish, choose
 from plumbline.harness.findings.selection.evidence import DECADES_OF_SPEED
@@ -469,3 +470,20 @@ def test_engines_whose_limits_are_one_are_shown_as_they_move(gripping: Done) -> 
     drawn = answer_pictures.distances(gripping.store, alone, motion)
     assert drawn is not None
     assert drawn.panel is motion is not None
+
+
+def test_verdicts_on_ladders_that_time_cut_short_say_so(gripping: Done) -> None:
+    """The ladders were to come down to 1/960 s, and did; had it been 1/3840 s, the verdicts would be those of three steps."""
+    (agreement,) = agreements(gripping.store)
+    assert agreement.finest == pytest.approx(1 / 960)
+    assert not any("Time ended" in sentence for sentence in closing_words(gripping.store))
+    default, tuned = agreement.sides
+    shorter = replace(default, limit=replace(default.limit, rungs=default.limit.rungs[:2]))
+    (sentence,) = cut_words(replace(agreement, sides=(shorter, tuned)), {"mujoco": "MuJoCo"})
+    assert sentence.startswith("Time ended before MuJoCo (default) came down to dt 1/960 s: smaller steps may change")
+    seen = sight(gripping.store, gripping.case)
+    answers = {answer.title: answer for answer in answers_of(gripping.store, replace(agreement, finest=1 / 3840), seen)}
+    assert answers["Do they agree?"].sentences[1].startswith("Time ended before MuJoCo came down to dt 1/3840 s")
+    lost = replace(default.limit.rungs[-1], run=None, status="diverged")
+    ended = replace(default, limit=replace(default.limit, rungs=(*default.limit.rungs[:2], lost)))
+    assert replace(agreement, sides=(ended,)).cut_short == ()

@@ -66,6 +66,7 @@ class Agreement:
         granted: share of the size that limits may lie apart beyond their bars.
         agreed: the camp whose limit is the truth here, '' where none is. until [s]: up to there it is known; bar: its error
         there, as a share of the size. limit: its poses, bars (t,) up to each sample; None without one.
+        finest [s]: the step that every ladder is to come down to, if there is time; 0 where none is said.
     """
 
     case: str
@@ -81,6 +82,7 @@ class Agreement:
     limit: Trajectory | None = None
     bars: Floats | None = None
     scene: Scene | None = None
+    finest: float = 0.0
 
     def members(self, camp: str) -> tuple[Side, ...]:
         """Those that stand in a camp, undecided ones left out."""
@@ -97,6 +99,12 @@ class Agreement:
         cosine = np.abs(np.sum(self.limit.q_WB * self.limit.q_WB[:1], axis=-1)).min(initial=1.0)
         turned = 2.0 * np.arccos(min(1.0, float(cosine)))
         return bool(moved <= least and turned <= max(self.bar or 0.0, np.sqrt(ROUNDING)))
+
+    @property
+    def cut_short(self) -> tuple[Side, ...]:
+        """Whose ladder of steps ended before it came down to the finest one, though the last step had an answer."""
+        ends = [(side, side.limit.rungs[-1]) for side in self.sides if side.limit.rungs]
+        return tuple(side for side, last in ends if last.run is not None and last.dt > self.finest * (1 + 1e-9) > 0)
 
     @property
     def moving(self) -> tuple[Side, ...]:

@@ -7,6 +7,7 @@ import numpy as np
 
 from plumbline.harness.findings.agreement.perturbed_starts import LAWS, Balance, Outlook, foreseeable_until
 from plumbline.harness.findings.agreement.values import Agreement, Side
+from plumbline.harness.findings.variant_of import STEP, in_words
 
 
 def share(value: float) -> str:
@@ -109,13 +110,23 @@ def side_words(side: Side, agreement: Agreement) -> str:
     return f"{side.word} ({order}{until}; known to {length(bar, agreement)}{camp})"
 
 
+def cut_words(agreement: Agreement, titles: Mapping[str, str]) -> list[str]:
+    """On whom time ended before all steps were run: one sentence, or none."""
+    sides = [(side.engine, side.track) for side in agreement.cut_short]
+    if not sides:
+        return []
+    steps = in_words({STEP: agreement.finest})
+    who = called(sides, agreement, titles)
+    return [f"Time ended before {who} came down to {steps}: smaller steps may change the verdict on them (--budget)."]
+
+
 STILL = "Nothing moves in it, so that engines have little to differ in"
 JOINTED = ": --scenario swing or sweep moves a robot's joints"
 
 
 def scene_words(agreement: Agreement, titles: Mapping[str, str]) -> list[str]:
     """The headline, whether nothing moves, and the differences between camps."""
-    lines = [headline(agreement, titles)]
+    lines = [headline(agreement, titles), *cut_words(agreement, titles)]
     if agreement.still and not agreement.moving:
         jointed = agreement.scene is not None and bool(agreement.scene.joints)
         lines.append(f"{STILL}{JOINTED if jointed else ''}.")

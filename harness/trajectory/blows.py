@@ -42,20 +42,20 @@ def blows(
     """
     pushes = {body: _push(run.time, run.v_WB[:, body], np.array(scene.gravity)) for body in sizes}
     struck = {body: _struck(run.time, *pushes[body], scene, size) for body, size in sizes.items()}
-    found: list[Blow] = []
+    hits: list[Blow] = []
     for body, samples in struck.items():
         for sample in samples:
             before, about = _touched(sample, *partners[body]) if body in partners else (set(), [])
-            other = next((place for place in about if place not in before), None)
+            other = next((each for each in about if each not in before), None)
             if other is None:
                 other = _thrown_back(scene, body, sample, struck, pushes)
             if other is None:
                 other = _nearest_fixed(scene, run, body, sample, before)
-            told = any(each.body == other and each.other == body and abs(each.sample - sample) < LASTS for each in found)
+            counted = any(each.body == other and each.other == body and abs(each.sample - sample) < LASTS for each in hits)
             # What already lies on something and meets nothing else is stopped by friction.
-            if not told and not (other is None and before):
-                found.append(Blow(body, sample, other))
-    return found
+            if not counted and not (other is None and before):
+                hits.append(Blow(body, sample, other))
+    return hits
 
 
 def _push(time: Floats, v_WB: Floats, gravity: Floats) -> tuple[Floats, Floats]:
@@ -91,7 +91,7 @@ def _touched(sample: int, samples: Integers, others: Integers) -> tuple[set[int]
 def _thrown_back(
     scene: Scene, body: int, sample: int, struck: Mapping[int, Sequence[int]], pushes: Mapping[int, tuple[Floats, Floats]]
 ) -> int | None:
-    """The body that is pushed the other way by as much at the same time, as far as impulses of hands tell."""
+    """The body that is pushed the other way at the same time, the one whose impulse comes nearest."""
     own = scene.bodies[body].mass * pushes[body][0][sample - 1]
     shares = {
         other: -float(scene.bodies[other].mass * pushes[other][0][sample - 1] @ own) / float(own @ own)
@@ -105,12 +105,12 @@ def _thrown_back(
 def _nearest_fixed(scene: Scene, run: Trajectory, body: int, sample: int, before: set[int]) -> int | None:
     """What is fixed or led and nearest by poses, no further than the body comes between two samples, and not touched before."""
     moment = run.between(float(run.time[sample - 1]), float(run.time[sample]))
-    way = float(np.linalg.norm(moment.v_WB[:, body], axis=1).max() * (moment.time[-1] - moment.time[0]))
+    reach = float(np.linalg.norm(moment.v_WB[:, body], axis=1).max() * (moment.time[-1] - moment.time[0]))
     nearest: dict[int, float] = {}
     for a, b, deep in pair_depths(scene, moment):
         other = b if a == body else a
         if body not in (a, b) or deep is None or other in before or scene.bodies[other].movable:
             continue
-        if deep.max() > -way:
+        if deep.max() > -reach:
             nearest[other] = max(nearest.get(other, -np.inf), float(deep.max()))
     return max(nearest, key=lambda other: nearest[other], default=None)

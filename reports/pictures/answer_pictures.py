@@ -142,7 +142,10 @@ def distances(store: Store, agreement: Agreement, motion: Panel | None) -> Drawn
     """How far the limits of engines lie from the agreed one over time; where all are one, how they move."""
     base, series = ways(agreement)
     chosen = looks(engines(store))
-    drawn = [Series(time, way, chosen[engine].colour, track == "default") for (engine, track), (time, way) in series.items()]
+    drawn = [
+        Series(time, distance, chosen[engine].colour, track == "default")
+        for (engine, track), (time, distance) in series.items()
+    ]
     to = "the agreed limit" if not base else f"that of {base}"
     alt = f"Distance of each engine's limit from {to} over time"
     panel = over_time(drawn, agreement.bar, alt, width=WIDE, height=TOP + 8 * ROW + FOOT)
@@ -162,7 +165,7 @@ def causes(store: Store, agreement: Agreement, turned: Sequence[Turned]) -> Draw
             what = shorten(each.setting.replace("_", " "), SETTING, placeholder=" …")
             sheet.add(engine, track, what=what, bar=bar, words=f"{100 * closes:.0f} %", strong=each.cause)
     if sheet.lines:
-        ticks = [(LEFT + (RIGHT - LEFT) * part, f"{100 * part:.0f} %") for part in (0.0, 0.5, 1.0)]
+        ticks = [(LEFT + (RIGHT - LEFT) * mark, f"{100 * mark:.0f} %") for mark in (0.0, 0.5, 1.0)]
         caption = "Of the distance, what a setting closes that is turned alone; a cause closes 80 %."
         return sheet.rows(caption, "Distance that settings close, turned one by one", ticks, LEFT + (RIGHT - LEFT) * CLOSES)
     off = {(side.engine, side.track): _off(side) for side in agreement.sides}
@@ -182,11 +185,11 @@ def _off(side: Side) -> float | None:
     return side.distance if side.distance is not None else None if moved is None else float(moved[-1])
 
 
-def fronts(found: Sequence[Miniature], cost: Drawn | None) -> Drawn | None:
+def fronts(scenes: Sequence[Miniature], cost: Drawn | None) -> Drawn | None:
     """Speed over error; where nothing was clocked, the least errors."""
-    if not any(front.lines for front in found):
+    if not any(front.lines for front in scenes):
         return cost
-    return Drawn(fronts=next(front for front in found if front.lines), caption="Up is faster, left is more accurate.")
+    return Drawn(fronts=next(front for front in scenes if front.lines), caption="Up is faster, left is more accurate.")
 
 
 def speeds(store: Store, agreement: Agreement, best: Price | None) -> Drawn | None:

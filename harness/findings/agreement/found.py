@@ -71,8 +71,8 @@ def _agreement(store: Store, case: str, where: str, rows: Sequence[Any]) -> Agre
     ours = [name for name, engine in engines.items() if engine.get("ours")]
     duration = float(store.described("cases", case)["duration"])
     agreement = judged(scene, duration, limits, ours, touching=touching, case=case, where=where)
-    sides = tuple(replace(side, adds=_added(store, side)) for side in agreement.sides)
-    return replace(agreement, sides=sides, finest=_finest(store))
+    with_effects = tuple(replace(side, adds=_added(store, side)) for side in agreement.sides)
+    return replace(agreement, sides=with_effects, finest=_finest(store))
 
 
 def _added(store: Store, side: Side) -> tuple[str, ...]:

@@ -23,7 +23,7 @@ from plumbline.harness.trajectory.trajectory import Floats, Integers, Trajectory
 Booleans: TypeAlias = NDArray[np.bool_]
 
 Kind: TypeAlias = Literal[
-    "passed through", "bounced", "collided", "left the ground", "fell off", "tipped", "rolled", "slid", "moved",
+    "passed through", "bounced", "collided", "left the ground", "fell off", "tipped", "rolled", "slid", "moved", "sank",
     "swung", "shuttled", "turned", "shifted", "hit the stop", "at rest",
 ]  # fmt: skip
 MOVED = 0.01
@@ -221,7 +221,7 @@ def _leaves(
 def _lies_otherwise(
     scene: Scene, run: Trajectory, base: int, up: Floats, size: float, alone: bool, touching: Booleans | None
 ) -> Iterator[Event]:
-    """It tipped, rolled or slid away; a machine moved away."""
+    """It tipped, rolled, slid away or sank into what it lies on; a machine moved away."""
     name, time = scene.bodies[base].name, run.time
     shapes = [placed.shape for placed in scene.bodies[base].collision]
     round_ = bool(shapes) and all(isinstance(shape, Sphere | Capsule | Cylinder | Ellipsoid) for shape in shapes)
@@ -240,6 +240,8 @@ def _lies_otherwise(
         begun = np.flatnonzero(np.linalg.norm(path - (path @ up)[:, None] * up, axis=1) > MOVED * size)
         kind: Kind = "rolled" if rolled else "slid" if alone else "moved"
         yield Event(body=name, kind=kind, time=float(time[begun[0]]), value=away)
+    elif alone and on[0] and on[-1] and (sunk := -float(path[-1] @ up)) > MOVED * size:
+        yield Event(body=name, kind="sank", time=float(time[np.flatnonzero(path @ up < -MOVED * size)[0]]), value=sunk)
 
 
 def _collisions(scene: Scene, run: Trajectory, touched: Touched | None, loose: Sequence[int]) -> Iterator[Event]:

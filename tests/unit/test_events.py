@@ -316,3 +316,16 @@ def test_of_many_bodies_the_first_few_are_told_and_the_rest_are_counted() -> Non
     said = body_words(events)
     assert said.count("slides by") == 6
     assert said.endswith("; and 3 more like these")
+
+
+def test_what_gives_way_under_a_body_lets_it_sink_and_what_stays_is_another_answer() -> None:
+    """3 mm into the floor within .1 s, of a size of 2 sqrt(3) 50 mm: more than a hundredth, and soon at rest."""
+    sinking = happened(CUBE, moved(CUBE, path(z=R - 0.03 * np.clip(TIME, 0.0, 0.1))), ALWAYS)
+    staying = happened(CUBE, moved(CUBE, path()), ALWAYS)
+    assert named(sinking) == ["sank", "at rest"]
+    assert body_words(sinking).startswith("'cube' sinks by 3 mm, is at rest from ")
+    assert not alike(sinking, staying, 3.0, CUBE)
+    moves_first, stays = (Event(body="cube", kind="at rest", time=time) for time in (0.05, 0.0))
+    assert not alike([moves_first], [stays], 3.0, CUBE)
+    settling = happened(CUBE, moved(CUBE, path(z=R - 0.01 * np.clip(TIME, 0.0, 0.1))), ALWAYS)
+    assert named(settling) == ["at rest"]

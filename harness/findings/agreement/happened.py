@@ -67,6 +67,8 @@ def alike(some: Sequence[Event], others: Sequence[Event], duration: float, scene
 
 
 def _unlike(event: Event, other: Event, duration: float, scene: Scene) -> bool:
+    if event.kind == "at rest" and (event.time == 0.0) != (other.time == 0.0):
+        return True  # one of them moved first
     if abs(event.time - other.time) > ALIKE * duration or abs(event.count - other.count) > max(1, ALIKE * event.count):
         return True
     if event.value is None or other.value is None:
@@ -85,6 +87,7 @@ _WORDS: Mapping[Kind, str] = {
     "rolled": "rolls away by {value}",
     "slid": "slides by {value}",
     "moved": "moves by {value}",
+    "sank": "sinks by {value}",
     "swung": "swings to and fro by {value} about '{other}', turning back {times}",
     "shuttled": "goes to and fro by {value} along '{other}', turning back {times}",
     "turned": "turns by {value} about '{other}'",
@@ -127,7 +130,7 @@ def happened_words(groups: Sequence[Happened], agreement: Agreement, titles: Map
     if not groups:
         return []
     first, *others = groups
-    sentence = body_words(first.events) or "no body rests, bounces, tips, slides or meets a stop"
+    sentence = body_words(first.events) or "no body rests, bounces, collides, tips, slides, swings or meets a stop"
     lines = [f"What happens{'' if not others else ' on ' + called(first.sides, agreement, titles)}: {sentence}."]
     for other in others:
         lines.append(f"Otherwise on {called(other.sides, agreement, titles)}: {_differing(first.events, other.events)}.")
@@ -178,6 +181,7 @@ _LACKING: Mapping[Kind, str] = {
     "rolled": "does not roll away",
     "slid": "does not slide",
     "moved": "does not move away",
+    "sank": "does not sink",
     "swung": "does not swing to and fro about '{other}'",
     "shuttled": "does not go to and fro along '{other}'",
     "turned": "does not turn about '{other}'",

@@ -480,10 +480,13 @@ def test_verdicts_on_ladders_that_time_cut_short_say_so(gripping: Done) -> None:
     default, tuned = agreement.sides
     shorter = replace(default, limit=replace(default.limit, rungs=default.limit.rungs[:2]))
     (sentence,) = cut_words(replace(agreement, sides=(shorter, tuned)), {"mujoco": "MuJoCo"})
-    assert sentence.startswith("Time ended before MuJoCo (default) came down to dt 1/960 s: smaller steps may change")
+    assert sentence.startswith("Time ended before all steps were run on MuJoCo (default): smaller ones may change")
     seen = sight(gripping.store, gripping.case)
     answers = {answer.title: answer for answer in answers_of(gripping.store, replace(agreement, finest=1 / 3840), seen)}
-    assert answers["Do they agree?"].sentences[1].startswith("Time ended before MuJoCo came down to dt 1/3840 s")
+    assert answers["Do they agree?"].sentences[1].startswith("Time ended before all steps were run on MuJoCo: ")
+    # A limit that is not known to the end is given finer steps than one that is.
+    unknown = replace(tuned, limit=replace(tuned.limit, kind="does not converge"))
+    assert replace(agreement, sides=(default, unknown), finest_unknown=1 / 3840).cut_short == (unknown,)
     lost = replace(default.limit.rungs[-1], run=None, status="diverged")
     ended = replace(default, limit=replace(default.limit, rungs=(*default.limit.rungs[:2], lost)))
     assert replace(agreement, sides=(ended,)).cut_short == ()

@@ -50,9 +50,11 @@ def _refining(store: Store) -> list[dict[str, Any]]:
     return [experiment for experiment in listed if isinstance(experiment, dict) and experiment.get("refine")]
 
 
-def _finest(store: Store) -> float:
-    """The step [s] that ladders are to come down to; 0 where none is said."""
-    return min((float(experiment["refine"].get("finest") or 0.0) for experiment in _refining(store)), default=0.0)
+def _finest(store: Store) -> tuple[float, float]:
+    """The step [s] that ladders are to come down to, and that of a limit that is not known to the end; 0 where none is said."""
+    refined = [experiment["refine"] for experiment in _refining(store)]
+    finest = min((float(each.get("finest") or 0.0) for each in refined), default=0.0)
+    return finest, finest / 2 ** max((int(each.get("further") or 0) for each in refined), default=0)
 
 
 def _agreement(store: Store, case: str, where: str, rows: Sequence[Any]) -> Agreement:
@@ -72,7 +74,8 @@ def _agreement(store: Store, case: str, where: str, rows: Sequence[Any]) -> Agre
     duration = float(store.described("cases", case)["duration"])
     agreement = judged(scene, duration, limits, ours, touching=touching, case=case, where=where)
     with_effects = tuple(replace(side, adds=_added(store, side)) for side in agreement.sides)
-    return replace(agreement, sides=with_effects, finest=_finest(store))
+    finest, finest_unknown = _finest(store)
+    return replace(agreement, sides=with_effects, finest=finest, finest_unknown=finest_unknown)
 
 
 def _added(store: Store, side: Side) -> tuple[str, ...]:

@@ -66,7 +66,8 @@ class Agreement:
         granted: share of the size that limits may lie apart beyond their bars.
         agreed: the camp whose limit is the truth here, '' where none is. until [s]: up to there it is known; bar: its error
         there, as a share of the size. limit: its poses, bars (t,) up to each sample; None without one.
-        finest [s]: the step that every ladder is to come down to, if there is time; 0 where none is said.
+        finest [s]: the step that every ladder is to come down to, if there is time, and finest_unknown [s] where its limit is
+        not known to the end; 0 where none is said.
     """
 
     case: str
@@ -83,6 +84,7 @@ class Agreement:
     bars: Floats | None = None
     scene: Scene | None = None
     finest: float = 0.0
+    finest_unknown: float = 0.0
 
     def members(self, camp: str) -> tuple[Side, ...]:
         """Those that stand in a camp, undecided ones left out."""
@@ -103,8 +105,13 @@ class Agreement:
     @property
     def cut_short(self) -> tuple[Side, ...]:
         """Whose ladder of steps ended before it came down to the finest one, though the last step had an answer."""
-        ends = [(side, side.limit.rungs[-1]) for side in self.sides if side.limit.rungs]
-        return tuple(side for side, last in ends if last.run is not None and last.dt > self.finest * (1 + 1e-9) > 0)
+
+        def cut(side: Side) -> bool:
+            last = side.limit.rungs[-1] if side.limit.rungs else None
+            finest = self.finest if side.limit.until >= 0.999 * self.duration else self.finest_unknown
+            return last is not None and last.run is not None and last.dt > finest * (1 + 1e-9) > 0
+
+        return tuple(filter(cut, self.sides))
 
     @property
     def moving(self) -> tuple[Side, ...]:

@@ -7,7 +7,6 @@ import numpy as np
 
 from plumbline.harness.findings.agreement.perturbed_starts import LAWS, Balance, Outlook, foreseeable_until
 from plumbline.harness.findings.agreement.values import Agreement, Side
-from plumbline.harness.findings.variant_of import STEP, in_words
 
 
 def share(value: float) -> str:
@@ -113,11 +112,12 @@ def side_words(side: Side, agreement: Agreement) -> str:
 def cut_words(agreement: Agreement, titles: Mapping[str, str]) -> list[str]:
     """On whom time ended before all steps were run: one sentence, or none."""
     sides = [(side.engine, side.track) for side in agreement.cut_short]
-    if not sides:
-        return []
-    steps = in_words({STEP: agreement.finest})
     who = called(sides, agreement, titles)
-    return [f"Time ended before {who} came down to {steps}: smaller steps may change the verdict on them (--budget)."]
+    return (
+        [f"Time ended before all steps were run on {who}: smaller ones may change the verdict on them (--budget)."]
+        if who
+        else []
+    )
 
 
 STILL = "Nothing moves in it, so that engines have little to differ in"
@@ -134,7 +134,8 @@ def scene_words(agreement: Agreement, titles: Mapping[str, str]) -> list[str]:
         movers = list(dict.fromkeys(f"{titles.get(side.engine, side.engine)} ({side.track})" for side in agreement.moving))
         lines.append(f"In that limit nothing moves; it does on {listed(movers)}.")
     for gap in agreement.differences:
-        if not agreement.agreed or agreement.agreed in (gap.one, gap.other):
+        apart = [side for side in (*agreement.members(gap.one), *agreement.members(gap.other)) if side.word != "agrees"]
+        if not agreement.agreed or (agreement.agreed in (gap.one, gap.other) and apart):
             here, there = (_camp(agreement, letter, titles) for letter in (gap.one, gap.other))
             lines.append(
                 f"Camp {gap.one} ({here}) and camp {gap.other} ({there}) part at {gap.since:.3g} s; up to {gap.time:.3g} "

@@ -46,9 +46,9 @@ def blows(
     for body, samples in struck.items():
         for sample in samples:
             before, about = _touched(sample, *partners[body]) if body in partners else (set(), [])
-            other = next((each for each in about if each not in before), None)
+            other = _thrown_back(scene, body, sample, struck, pushes)
             if other is None:
-                other = _thrown_back(scene, body, sample, struck, pushes)
+                other = next((each for each in about if each not in before), None)
             if other is None:
                 other = _nearest_fixed(scene, run, body, sample, before)
             counted = any(each.body == other and each.other == body and abs(each.sample - sample) < LASTS for each in hits)
@@ -84,8 +84,9 @@ def _struck(time: Floats, push: Floats, across: Floats, scene: Scene, size: floa
 
 
 def _touched(sample: int, samples: Integers, others: Integers) -> tuple[set[int], list[int]]:
-    """The places of what a body touches before a blow, and about it."""
-    return set(others[samples == sample - 1 - LASTS].tolist()), others[np.abs(samples - sample) < LASTS].tolist()
+    """The places of what a body touches before a blow, be it now and again, and about it."""
+    before = (samples < sample - LASTS) & (samples >= sample - 4 * LASTS)
+    return set(others[before].tolist()), others[np.abs(samples - sample) < LASTS].tolist()
 
 
 def _thrown_back(

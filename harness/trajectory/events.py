@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from plumbline.harness.scene import Box, Plane, Prismatic, Revolute, Scene, outer_radius
 from plumbline.harness.scene.shape import Capsule, Cylinder, Ellipsoid, Sphere
-from plumbline.harness.trajectory.blows import BLOW, blows
+from plumbline.harness.trajectory.blows import BLOW, LASTS, blows
 from plumbline.harness.trajectory.kinematics import angle_between, joint_coordinate, rotate, rotate_back
 from plumbline.harness.trajectory.swings import Swing, swing
 from plumbline.harness.trajectory.trajectory import Floats, Integers, Trajectory
@@ -143,7 +143,8 @@ def _of_whole(scene: Scene, run: Trajectory, touched: Touched | None, members: S
             top = float(height[first : bounces[1] if len(bounces) > 1 else None].max() - height[first - 1 : first + 1].min())
             yield Event(body=name, kind="bounced", time=float(time[first]), value=top, count=len(bounces))
         if touching is not None and touching[time <= AT_START].any() and samples is not None and others is not None:
-            yield from _leaves(scene, name, size, time, height, samples, others)
+            leaving = _leaves(scene, name, size, time, height, samples, others)
+            yield from (event for event in leaving if not (bounces and event.kind == "left the ground"))
         yield from _lies_otherwise(scene, run, base, up, size, len(members) == 1, touching)
     yield from _of_joints(scene, run, members, held)
     far = np.zeros(len(time))
@@ -229,12 +230,13 @@ def _lies_otherwise(
     lean = np.arccos(np.clip(was_up @ up, -1.0, 1.0))
     path = run.p_WB[:, base] - run.p_WB[0, base]
     away = float(np.linalg.norm(path[-1] - (path[-1] @ up) * up))
-    on = np.zeros(len(time), bool) if touching is None else touching
+    on = np.zeros(len(time), bool) if touching is None else _about(touching)
     w_across = run.w_WB[:, base] - (run.w_WB[:, base] @ up)[:, None] * up
     dt = np.diff(time, prepend=time[:1])
     angle = float(np.sum(np.linalg.norm(w_across, axis=1) * dt * on))
     rolled = round_ and alone and angle * size / 2 > away / 2 and angle > TURNED
-    if not rolled and lean[-1] > TIPPED and (touching is None or touching.any()):
+    turns_over = not rolled and not all(isinstance(shape, Sphere) for shape in shapes)
+    if turns_over and lean[-1] > TIPPED and (touching is None or touching.any()):
         yield Event(body=name, kind="tipped", time=float(time[np.flatnonzero(lean <= TIPPED)[-1]]), value=float(lean[-1]))
     elif away > MOVED * size and on.mean() > AT_END:
         begun = np.flatnonzero(np.linalg.norm(path - (path @ up)[:, None] * up, axis=1) > MOVED * size)
@@ -254,6 +256,11 @@ def _collisions(scene: Scene, run: Trajectory, touched: Touched | None, loose: S
         sample, other = hits[0]
         name = "" if other is None else scene.bodies[other].name
         yield Event(body=scene.bodies[index].name, kind="collided", time=float(run.time[sample]), count=len(hits), other=name)
+
+
+def _about(touching: Booleans) -> Booleans:
+    """What touches now and again rests or rolls all the while: contact within LASTS samples counts."""
+    return np.convolve(touching, np.ones(2 * LASTS + 1), "same") > 0
 
 
 def _of_joints(scene: Scene, run: Trajectory, members: Sequence[int], held: bool) -> Iterator[Event]:

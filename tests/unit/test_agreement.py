@@ -330,3 +330,15 @@ def test_contacts_that_may_lie_a_millimetre_apart_need_not_draw_together_within_
     assert convergence(time, steps, moved, bar, 0.01).until is None
     assert convergence(time, steps, moved, bar, 0.01, granted=0.0118).until == 1.0
     assert convergence(time, steps, 2.5 * moved, bar, 0.01, granted=0.0118).until is None  # .005 is more than a third
+
+
+def test_engines_that_part_in_the_middle_of_a_run_have_no_limit_from_then_on() -> None:
+    """Two of them, as one up to .5 s, and then a tenth of the size apart: what they share until then is not denied."""
+    scene = ball()
+    limits = {(name, "tuned"): at_rest_beside(scene, 0.0, 0.001) for name in ("mujoco", "dart")}
+    moved = limits["dart", "tuned"].value
+    assert moved is not None
+    moved.p_WB[moved.time >= 0.5, :, 0] += 0.1 * extent(scene).largest
+    found = judged(scene, 1.0, limits, ())
+    assert found.agreed == ""
+    assert scene_words(found, {})[0].startswith("No limit is agreed from 0.5 s on. Camps: A: ")

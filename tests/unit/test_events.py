@@ -329,3 +329,30 @@ def test_what_gives_way_under_a_body_lets_it_sink_and_what_stays_is_another_answ
     assert not alike([moves_first], [stays], 3.0, CUBE)
     settling = happened(CUBE, moved(CUBE, path(z=R - 0.01 * np.clip(TIME, 0.0, 0.1))), ALWAYS)
     assert named(settling) == ["at rest"]
+
+
+def test_a_ball_that_touches_now_and_again_rolls_and_never_tips_over() -> None:
+    """Its contact is recorded at every third sample, as of a ball that hops by micrometres; half a turn leans it by pi."""
+    x = np.clip(0.3 * TIME, 0.0, 0.5 * math.pi * R * 2)
+    spin = np.stack([0 * TIME, np.where(x[-1] / 0.3 > TIME, 0.3 / R, 0.0), 0 * TIME], axis=1)
+    flicker = touched(np.arange(len(TIME)) % 3 == 0)
+    events = happened(BALL, moved(BALL, path(x), about_y(x / R), spin), flicker)
+    assert named(events) == ["rolled", "at rest"]
+    flying = happened(BALL, moved(BALL, path(x, R + 0.5), about_y(x / R), spin), touched(TIME == 0.0))
+    assert "tipped" not in named(flying)
+
+
+def test_the_partner_of_a_blow_is_what_is_thrown_back_and_not_the_floor_that_is_touched_again() -> None:
+    """A ball that rolls over a floor, which it touches now and again, against another: the floor is in no collision."""
+    floor = Body.ground("default")
+    balls = (Body.ball("cue", R, 1.0, p_WB=(0, 0, R)), Body.ball("red", R, 1.0, p_WB=(1, 0, R)))
+    scene = Scene(bodies=(floor, *balls), surfaces=(LAW,))
+    going, still = np.array([2.0, 0, 0]), np.zeros(3)
+    run = flown(scene, cue=struck_at(0.45, going, still), red=struck_at(0.45, still, going))
+    places = np.array([12, 27, 28, 60])  # of the floor under the cue ball: not at the samples just before the blow
+    contacts = Touched(places, np.zeros(4, np.int64), np.ones(4, np.int64))
+    (hit,) = [event for event in happened(scene, run, contacts) if event.kind == "collided"]
+    assert (hit.body, hit.other) == ("cue", "red")
+    # A ball that bounces has left the floor as often as it does so: that is told once.
+    z = np.maximum(R, R + np.abs(np.sin(4 * TIME)) * 0.3)
+    assert "left the ground" not in named(happened(BALL, moved(BALL, path(z=z)), touched(z <= R + 0.02)))

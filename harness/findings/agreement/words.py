@@ -9,6 +9,10 @@ from plumbline.harness.findings.agreement.perturbed_starts import LAWS, Balance,
 from plumbline.harness.findings.agreement.values import Agreement, Side
 
 
+AT_START = 0.05
+"""Of the run: who parts within it differs from the start on."""
+
+
 def share(value: float) -> str:
     """A share of the size: '0.12 %', '138 %', '5e-08' where per cent say little."""
     return f"{100 * value:.{2 if value < 0.1 else 3}g} %" if 1e-5 <= value < 10 else f"{value:.2g}"
@@ -89,7 +93,9 @@ def headline(agreement: Agreement, titles: Mapping[str, str]) -> str:
     if not agreement.camps:
         return "No limit is agreed: no engine's answers draw together as its time step shrinks."
     camps = "; ".join(f"{letter}: {_camp(agreement, letter, titles)}" for letter in agreement.camps)
-    return f"No limit is agreed. {'Camps' if len(agreement.camps) > 1 else 'There is one camp'}: {camps}."
+    begins = min((gap.since for gap in agreement.differences), default=0.0)
+    since = f" from {begins:.3g} s on" if begins > AT_START * agreement.duration else ""
+    return f"No limit is agreed{since}. {'Camps' if len(agreement.camps) > 1 else 'There is one camp'}: {camps}."
 
 
 def side_words(side: Side, agreement: Agreement) -> str:

@@ -33,11 +33,12 @@ def waiting(cases: "Mapping[str, Case]", folder: Path, budget: float | None) -> 
 
 
 def _first_look(folder: Path, records: "Sequence[Record]", budget: float) -> None:
-    """Print who agrees by the first steps alone. The tables of the run are written at its end; these lie in a folder of their
+    """Print who lies together at the first steps. The tables of the run are written at its end; these lie in a folder of their
     own."""
     from tempfile import TemporaryDirectory
 
-    from plumbline.harness.findings.columns import headings
+    from plumbline.harness.findings.agreement import agreements
+    from plumbline.harness.findings.agreement.so_far import COLUMNS, rows_so_far, words_so_far
     from plumbline.harness.run.progress import elapsed, since_begun
     from plumbline.harness.store.store import Store
     from plumbline.harness.store.stored_tables import in_order, write_tables
@@ -47,12 +48,12 @@ def _first_look(folder: Path, records: "Sequence[Record]", budget: float) -> Non
         for stored in ("trajectories", "catalogue.json", "study.toml", "machine.json"):
             (look / stored).symlink_to((folder / stored).resolve())
         write_tables(look, in_order(records))
-        table = tables.table("agreement")
-        rows = table.rows(Store(look))
-        title = f"first look after {elapsed(since_begun())}: three steps each, so that intervals are wide"
-        print_table(title, headings(table.shown), rows, table.brief)
-        for sentence in table.sentences(rows)[: -len(rows) or None]:
-            say(sentence, err=True)
+        store = Store(look)
+        rows = [row for agreement in agreements(store) for row in rows_so_far(agreement)]
+        print_table(f"first look after {elapsed(since_begun())}: three steps each, no verdict yet", COLUMNS, rows)
+        for agreement in agreements(store):
+            for sentence in words_so_far(store, agreement, store.titles):
+                say(sentence, err=True)
         say(f"refined until {elapsed(budget)} are over", err=True)
 
 

@@ -91,7 +91,7 @@ def _pair(file: Path, other: Path, wishes: Wishes, as_json: bool, options: dict[
     else:
         say(f"the same robot: {len(a.joints)} joints and what they move agree to {tolerance:g}")
     looked_at, passed_over = compared(a, b)
-    parted = None if move is None else _moved(a, b, options)
+    parted = None if move is None else _moved(a, b, options, as_json)
     if parted is not None:
         say(_told(parted), err=as_json)
     say(f"compared: {', '.join(looked_at)}; not compared: {', '.join(passed_over)}", err=as_json)
@@ -101,7 +101,7 @@ def _pair(file: Path, other: Path, wishes: Wishes, as_json: bool, options: dict[
     return bool(rows)
 
 
-def _moved(a: "RobotFacts", b: "RobotFacts", options: dict[str, Any]) -> "Parting":
+def _moved(a: "RobotFacts", b: "RobotFacts", options: dict[str, Any], as_json: bool) -> "Parting":
     """Both under the same torques. Raises: RobotError, Unsupported."""
     import numpy as np
 
@@ -123,8 +123,9 @@ def _moved(a: "RobotFacts", b: "RobotFacts", options: dict[str, Any]) -> "Partin
         start = Configuration(np.zeros(len(a.joints)), {}, start.rates)
     commands, held = options["commands"], options["commands"] is not None and not options["interpolate"]
     motion = motion_of(
-        str(options["move"] or commands), a, start, gravity, options["seconds"], replay=commands is not None, held=held
-    )
+        str(options["move"] or commands), a, start, gravity, options["seconds"], replay=commands is not None, held=held,
+        tell=lambda line: say(line, err=as_json),
+    )  # fmt: skip
     engine = plugins.adapter("mujoco")
     return parting(a, engine.move_robot(a, motion), engine.move_robot(partner, motion))
 

@@ -177,7 +177,7 @@ def own_limit(
     parted = np.array([apart(coarser, finer, scale) for coarser, finer in pairwise(runs)])
     moved = [offsets(run, finest, scale) for run in runs]
     extrapolated = limit(moved, [1 / step for step in steps], _round_off(finest, steps[-1], scale), length)
-    converged = convergence(time, steps, parted, extrapolated.bar, TOLERANCE)
+    converged = convergence(time, steps, parted, extrapolated.bar, TOLERANCE, granted)
     horizons = {
         rung.dt: horizon(time, np.maximum.accumulate(distance), TOLERANCE)
         for rung, distance in zip(answered, parted, strict=False)

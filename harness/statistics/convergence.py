@@ -4,7 +4,8 @@ Differences D_i(t) of neighbouring runs, each the largest up to t, shrink like h
 count as shrinking at t where the line through log D_i over log h_i, of the last four of them, has a slope of 1/2 at least,
 which is nearer to the first order, the lowest that a method has, than to none, and the last is the smallest. Where the last
 two lie below a tenth of the tolerance they need not shrink: that is a floor, of rounding or of a solver that iterates, and
-three times it, the error bar without an order, stays within the tolerance.
+three times it, the error bar without an order, stays within the tolerance. Where limits may lie further apart than that, as
+contacts may, a third of what they are granted is the floor: three times it is then no more than that.
 
 The limit is **known** up to the time at which its error bar leaves the tolerance, or at which the differences no longer shrink,
 whichever comes first. The **horizon** is the time up to which the last halving itself moves the answer by no more than the
@@ -21,6 +22,8 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
+
+from plumbline.harness.statistics.richardson import UNSEEN
 
 Floats: TypeAlias = NDArray[np.float64]
 Ended: TypeAlias = Literal["end", "horizon", "no shrinking"]
@@ -70,17 +73,19 @@ def slopes(steps: Sequence[float], moved: Floats) -> Floats:
     return slope
 
 
-def convergence(time: Floats, steps: Sequence[float], apart: Floats, bar: Floats, tolerance: float) -> Convergence:
+def convergence(
+    time: Floats, steps: Sequence[float], apart: Floats, bar: Floats, tolerance: float, granted: float = 0.0
+) -> Convergence:
     """What a ladder of three runs or more says of itself.
 
     Args: time (t,) s. steps (k + 1,) [s], falling. apart (k, t): distances of neighbouring runs at each sample. bar (t,): the
-        error bar of their limit up to there. tolerance: in the unit of both.
+        error bar of their limit up to there. tolerance, granted: what limits may lie apart; in the unit of both.
     """
     moved = np.maximum.accumulate(np.where(np.isfinite(apart), apart, np.inf), axis=1)[-LAST:]
     with np.errstate(invalid="ignore"):  # where two runs have left the numbers there is no slope, and nothing shrinks
         slope = slopes(list(steps[:-1])[-LAST:], np.maximum(moved, np.finfo(np.float64).tiny))
     shrinks = (slope >= SHRINKS) & (moved[-1] <= moved.min(axis=0)) & np.isfinite(moved[-1])
-    sound = shrinks | (moved[-2:].max(axis=0) <= FLOOR * tolerance)
+    sound = shrinks | (moved[-2:].max(axis=0) <= max(FLOOR * tolerance, granted / UNSEEN))
     lost = np.flatnonzero(~(sound & (bar <= tolerance)))
     last = len(time) - 1 if not len(lost) else int(lost[0]) - 1
     ended: Ended = "end" if not len(lost) else "horizon" if sound[lost[0]] else "no shrinking"

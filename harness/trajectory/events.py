@@ -1,7 +1,8 @@
 """What happened to each body of a run, read off its poses and contacts: it bounced, tipped, slid, fell through, lies still.
 
 Thresholds are shares of the body's own size, the diameter of a ball about its centre of mass that holds it; docs/method has
-them in a table. A machine, whatever joints hold together, is told by its heaviest body, its joints by the stops that they hit.
+them in a table. A machine, whatever joints hold together, is told by its heaviest body, by the joint that swings or turns
+farthest and by the stops that joints hit.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -14,14 +15,17 @@ from numpy.typing import NDArray
 
 from plumbline.harness.scene import Box, Plane, Prismatic, Revolute, Scene, outer_radius
 from plumbline.harness.scene.shape import Capsule, Cylinder, Ellipsoid, Sphere
+from plumbline.harness.trajectory.blows import BLOW, LASTS, blows
 from plumbline.harness.trajectory.kinematics import angle_between, joint_coordinate, rotate, rotate_back
+from plumbline.harness.trajectory.swings import Swing, swing
 from plumbline.harness.trajectory.trajectory import Floats, Integers, Trajectory
 
 Booleans: TypeAlias = NDArray[np.bool_]
 
 Kind: TypeAlias = Literal[
-    "passed through", "bounced", "left the ground", "fell off", "tipped", "rolled", "slid", "moved", "hit the stop", "at rest"
-]
+    "passed through", "bounced", "collided", "left the ground", "fell off", "tipped", "rolled", "slid", "moved", "sank",
+    "swung", "shuttled", "turned", "shifted", "hit the stop", "at rest",
+]  # fmt: skip
 MOVED = 0.01
 """Of the size: less is no motion that an eye sees, as everywhere where engines are compared."""
 TURNED = 0.01
@@ -32,17 +36,21 @@ AT_END = 0.1
 """Of the run that a body lies still at its end at least, to be at rest."""
 AT_START = 0.05
 """Seconds within which what touches stood there: what is put down needs a sample or two to press."""
-BLOW = 2.0
-"""Times what weight changes a velocity by between two samples, up and from down: no fall turns round so."""
+AS_FAR = 0.9
+"""Of the motion of the joint that goes farthest: the first that goes so far is told, so that legs that are alike are."""
 STOP = 0.01
 """Of the range of a joint: so near its end it has hit the stop; of a radian or a metre where one end is open."""
+
+
+ANGLES: frozenset[Kind] = frozenset(("tipped", "swung", "turned"))
+"""What has an angle for its value."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Event:
     """One thing that happened.
 
-    Terms: body: its name. time [s]: when, or since when. value: how far [m], or how high; the angle [rad] of 'tipped'; None
+    Terms: body: its name. time [s]: when, or since when. value: how far [m], or how high; the angle [rad] of `ANGLES`; None
     where there is none. count: how often. other: the body or joint that it happened with, '' for none.
     """
 
@@ -91,8 +99,11 @@ def size_of(scene: Scene, index: int) -> float:
 def happened(scene: Scene, run: Trajectory, touched: Touched | None) -> tuple[Event, ...]:
     """All that happened, body by body. Args: touched: None where contacts were not recorded."""
     events: list[Event] = []
+    loose: list[int] = []
     for members, held in _wholes(scene):
         events += _of_whole(scene, run, touched, members, held)
+        loose += members if len(members) == 1 and not held else []
+    events += _collisions(scene, run, touched, loose)
     for joint in scene.joints:
         if isinstance(joint, Revolute | Prismatic) and joint.limits is not None:
             events += _stops(scene, run, joint)
@@ -132,8 +143,10 @@ def _of_whole(scene: Scene, run: Trajectory, touched: Touched | None, members: S
             top = float(height[first : bounces[1] if len(bounces) > 1 else None].max() - height[first - 1 : first + 1].min())
             yield Event(body=name, kind="bounced", time=float(time[first]), value=top, count=len(bounces))
         if touching is not None and touching[time <= AT_START].any() and samples is not None and others is not None:
-            yield from _leaves(scene, name, size, time, height, samples, others)
+            leaving = _leaves(scene, name, size, time, height, samples, others)
+            yield from (event for event in leaving if not (bounces and event.kind == "left the ground"))
         yield from _lies_otherwise(scene, run, base, up, size, len(members) == 1, touching)
+    yield from _of_joints(scene, run, members, held)
     far = np.zeros(len(time))
     for index in members:
         moved = np.linalg.norm(run.p_WB[:, index] - run.p_WB[-1, index], axis=1) / (MOVED * size_of(scene, index))
@@ -209,7 +222,7 @@ def _leaves(
 def _lies_otherwise(
     scene: Scene, run: Trajectory, base: int, up: Floats, size: float, alone: bool, touching: Booleans | None
 ) -> Iterator[Event]:
-    """It tipped, rolled or slid away; a machine moved away."""
+    """It tipped, rolled, slid away or sank into what it lies on; a machine moved away."""
     name, time = scene.bodies[base].name, run.time
     shapes = [placed.shape for placed in scene.bodies[base].collision]
     round_ = bool(shapes) and all(isinstance(shape, Sphere | Capsule | Cylinder | Ellipsoid) for shape in shapes)
@@ -217,17 +230,59 @@ def _lies_otherwise(
     lean = np.arccos(np.clip(was_up @ up, -1.0, 1.0))
     path = run.p_WB[:, base] - run.p_WB[0, base]
     away = float(np.linalg.norm(path[-1] - (path[-1] @ up) * up))
-    on = np.zeros(len(time), bool) if touching is None else touching
+    on = np.zeros(len(time), bool) if touching is None else _about(touching)
     w_across = run.w_WB[:, base] - (run.w_WB[:, base] @ up)[:, None] * up
     dt = np.diff(time, prepend=time[:1])
     angle = float(np.sum(np.linalg.norm(w_across, axis=1) * dt * on))
     rolled = round_ and alone and angle * size / 2 > away / 2 and angle > TURNED
-    if not rolled and lean[-1] > TIPPED and (touching is None or touching.any()):
+    turns_over = not rolled and not all(isinstance(shape, Sphere) for shape in shapes)
+    if turns_over and lean[-1] > TIPPED and (touching is None or touching.any()):
         yield Event(body=name, kind="tipped", time=float(time[np.flatnonzero(lean <= TIPPED)[-1]]), value=float(lean[-1]))
     elif away > MOVED * size and on.mean() > AT_END:
         begun = np.flatnonzero(np.linalg.norm(path - (path @ up)[:, None] * up, axis=1) > MOVED * size)
         kind: Kind = "rolled" if rolled else "slid" if alone else "moved"
         yield Event(body=name, kind=kind, time=float(time[begun[0]]), value=away)
+    elif alone and on[0] and on[-1] and (sunk := -float(path[-1] @ up)) > MOVED * size:
+        yield Event(body=name, kind="sank", time=float(time[np.flatnonzero(path @ up < -MOVED * size)[0]]), value=sunk)
+
+
+def _collisions(scene: Scene, run: Trajectory, touched: Touched | None, loose: Sequence[int]) -> Iterator[Event]:
+    """Blows from the side or from above, body by body."""
+    partners = {} if touched is None else {index: touched.partners([index]) for index in loose}
+    mine: dict[int, list[tuple[int, int | None]]] = {}
+    for blow in blows(scene, run, {index: size_of(scene, index) for index in loose}, partners):
+        mine.setdefault(blow.body, []).append((blow.sample, blow.other))
+    for index, hits in mine.items():
+        sample, other = hits[0]
+        name = "" if other is None else scene.bodies[other].name
+        yield Event(body=scene.bodies[index].name, kind="collided", time=float(run.time[sample]), count=len(hits), other=name)
+
+
+def _about(touching: Booleans) -> Booleans:
+    """What touches now and again rests or rolls all the while: contact within LASTS samples counts."""
+    return np.convolve(touching, np.ones(2 * LASTS + 1), "same") > 0
+
+
+def _of_joints(scene: Scene, run: Trajectory, members: Sequence[int], held: bool) -> Iterator[Event]:
+    """The joint of a machine that swings farthest; where none does and the machine is held, the one that turns farthest."""
+    names = {scene.bodies[index].name for index in members}
+    moves: list[tuple[Revolute | Prismatic, Swing, float]] = []
+    for joint in scene.joints:
+        if isinstance(joint, Revolute | Prismatic) and joint.child in names:
+            least = TURNED if isinstance(joint, Revolute) else MOVED * size_of(scene, scene.index(joint.child))
+            if (motion := swing(joint_coordinate(scene, joint, run), least)) is not None:
+                moves.append((joint, motion, motion.range / least))
+    swinging = [each for each in moves if each[1].turns >= 2]
+    chosen = swinging or (moves if held else [])
+    if chosen:
+        most = AS_FAR * max(far for *_, far in chosen)
+        joint, motion, _ = next(each for each in chosen if each[2] >= most)
+        revolute = isinstance(joint, Revolute)
+        kind: Kind = ("swung" if revolute else "shuttled") if swinging else "turned" if revolute else "shifted"
+        yield Event(
+            body=joint.child, kind=kind, time=float(run.time[motion.begun]), value=motion.range,
+            count=motion.turns if swinging else 1, other=joint.name,
+        )  # fmt: skip
 
 
 def _stops(scene: Scene, run: Trajectory, joint: Revolute | Prismatic) -> Iterator[Event]:

@@ -188,8 +188,9 @@ def miniatures(store: Store) -> list[Miniature]:
     def paced(log: float) -> float:
         return round(HIGH - BELOW - MARGIN - (HIGH - BELOW - 2 * MARGIN) * share(-log, -high, -low), 1)
 
-    x_ticks = [(across(exponent), power(exponent)) for exponent in range(fine, coarse + 1) if (coarse - exponent) % 4 == 0]
-    exponents = [exponent for exponent in range(low, high + 1) if exponent % 3 == 0]
+    every = 4 if coarse - fine > 4 else 2 if coarse - fine > 2 else 1
+    x_ticks = [(across(exponent), power(exponent)) for exponent in range(coarse, fine - 1, -every)]
+    exponents = [exponent for exponent in range(low, high + 1) if high - low < 4 or exponent % 3 == 0]
     speeds = [(paced(exponent), f"{power(-exponent)}{TIMES}") for exponent in exponents]
     durations = [(up(exponent), duration(10.0**exponent)) for exponent in exponents]
     heights = {True: (paced, speeds), False: (up, durations)}

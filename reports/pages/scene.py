@@ -7,10 +7,11 @@ from pathlib import PurePath
 from typing import Any
 
 from plumbline.harness.findings.agreement import Agreement, balances, foreseeable_until, horizon_of, outlooks
-from plumbline.harness.findings.agreement.costs import best_setting, cost_words
+from plumbline.harness.findings.agreement.costs import best_price, best_setting, cost_words
+from plumbline.harness.findings.agreement.happened import happened_words, happenings
 from plumbline.harness.findings.agreement.perturbed_starts import LAWS
 from plumbline.harness.findings.agreement.setting_causes import cause_words, settings_turned
-from plumbline.harness.findings.agreement.words import headline, listed, metres, side_words
+from plumbline.harness.findings.agreement.words import cut_words, headline, listed, metres, side_words
 from plumbline.harness.findings.tables import agreement as agreement_table
 from plumbline.harness.findings.tables.fidelity import of_element
 from plumbline.harness.store.imported_scenes import kept_by
@@ -18,10 +19,13 @@ from plumbline.harness.store.rows import records
 from plumbline.harness.store.store import Store
 from plumbline.reports.charts.errors import error_by_step
 from plumbline.reports.charts.own_scenes import horizon_chart, parting_chart
-from plumbline.reports.charts.work_precision import work_precision
+from plumbline.reports.charts.palette import looks
+from plumbline.reports.charts.work_precision import miniatures, work_precision
 from plumbline.reports.html.template import fill
 from plumbline.reports.page import Page, Rendered
-from plumbline.reports.pictures.case_pictures import sight
+from plumbline.reports.pictures import answer_pictures
+from plumbline.reports.pictures.answer_pictures import Drawn
+from plumbline.reports.pictures.case_pictures import Sight, sight
 from plumbline.reports.recordings.layout import file_name
 from plumbline.reports.tables.csv import sheet
 from plumbline.reports.tables.own_scenes import by_case, shown, summary, titles
@@ -94,10 +98,12 @@ def render(store: Store) -> Mapping[str, Rendered]:
             robot=robots.get(folder_of(name)),
             found=[judged(store, agreement) for agreement in agreements],
             seen=(seen := sight(store, name)),
+            lead=next(
+                (line for each in agreements for line in happened_words(happenings(store, each), each, titles(store))), ""
+            ),
+            own={line.colour for engine, line in looks(engines(store)).items() if engines(store)[engine]["ours"]},
             summary=summary(store, name),
-            answers=[
-                answer for agreement in agreements for answer in answers_of(store, agreement, parted=seen.parting is not None)
-            ],
+            answers=[answer for agreement in agreements for answer in answers_of(store, agreement, seen)],
             meanings=VERDICTS,
             figures=charts,
             prices=listed,
@@ -118,15 +124,17 @@ def render(store: Store) -> Mapping[str, Rendered]:
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """One question that a person asks of a scene of theirs. Terms: leads: to the part of the page with its picture."""
+    """One question that a person asks of a scene of theirs. Terms: leads: to the part of the page that shows it whole. picture:
+    None where there is nothing to draw."""
 
     title: str
     sentences: tuple[str, ...]
     leads: str
+    picture: Drawn | None
 
 
-def answers_of(store: Store, agreement: Agreement, *, parted: bool) -> list[Answer]:
-    """What the first screen says, in the order in which it is needed to act. Args: parted: is there a picture of a parting?"""
+def answers_of(store: Store, agreement: Agreement, seen: Sight) -> list[Answer]:
+    """What the first screen says, in the order in which it is needed to act."""
     names = titles(store)
     cannot: dict[str, str] = {}
     runs = dict.fromkeys(side.engine for side in agreement.sides if side.word not in ("cannot", "diverged"))
@@ -145,12 +153,20 @@ def answers_of(store: Store, agreement: Agreement, *, parted: bool) -> list[Answ
     who += cause_words(others, agreement, names)
     costs = cost_words(store)
     best = best_setting(store, agreement)
+    scene = [front for front in miniatures(store) if front.address.startswith(case_file(agreement.case))]
+    runs_at, apart = answer_pictures.runs_by_step(store, agreement), answer_pictures.distances(store, agreement, seen.overview)
+    closed = answer_pictures.causes(store, agreement, turned)
+    cheap = answer_pictures.fronts(scene, answer_pictures.least_errors(store, agreement))
+    fast = answer_pictures.speeds(store, agreement, best_price(store, agreement))
+    nowhere = "No setting is known to err by 1 % or less."
     return [
-        Answer("Does it run?", tuple(ended), "happened"),
-        Answer("Do they agree?", (headline(agreement, names),), "agreement"),
-        Answer("Who is off, and why?", tuple(who) or ("Nobody.",), "parting" if parted else "agreement"),
-        Answer("What does accuracy cost?", tuple(costs) or ("Nothing was clocked at a limit that is agreed.",), "charts"),
-        Answer("What to set?", (best or "No setting is known to err by 1 % or less.",), "charts"),
+        Answer("Does it run?", tuple(ended), "trials", runs_at),
+        Answer("Do they agree?", (headline(agreement, names), *cut_words(agreement, names)), "agreement", apart),
+        Answer("Who is off, and why?", tuple(who) or ("Nobody.",), "parting" if seen.parting else "agreement", closed),
+        Answer(
+            "What does accuracy cost?", tuple(costs) or ("Nothing was clocked at a limit that is agreed.",), "charts", cheap
+        ),
+        Answer("What to set?", (best or nowhere,), "charts", fast),
     ]
 
 

@@ -63,6 +63,27 @@ def overview(motion: Motion, looks: dict[str, Look]) -> Panel:
     return scale.panel(f"{motion.title} [{motion.unit}]", tuple(strokes), band, None, alt)
 
 
+@dataclass(frozen=True, slots=True)
+class Series:
+    """Values (t,) over times (t,) s, in the colour of an engine. Terms: dashed: the vendor's defaults."""
+
+    time: Floats
+    values: Floats
+    colour: str
+    dashed: bool
+
+
+def over_time(series: Sequence[Series], limit: float | None, alt: str, *, width: int, height: int) -> Panel | None:
+    """Series on a logarithmic axis, with a bound; None where nothing is above zero. Args: width, height: of the panel."""
+    bound = limit if limit is not None and limit > 0 else None
+    if not any((line.values > 0).any() for line in series):
+        return None
+    low, high = _decades([*(line.values for line in series), np.array([bound or 0.0])])
+    scale = _Scale(max(float(line.time[-1]) for line in series), low, high, True, width, height, 44)
+    strokes = [Stroke(scale.path(line.time, line.values), line.colour, line.dashed) for line in series]
+    return scale.panel(alt, tuple(strokes), "", None if bound is None else scale.y(bound), alt)
+
+
 def apart(motion: Motion, looks: dict[str, Look], titles: dict[str, str]) -> tuple[Panel, ...]:
     """A panel for each engine, on common axes: its distance from the truth, or the quantity itself where none is told."""
     off = bool(motion.off_title)

@@ -10,7 +10,9 @@ from scipy.integrate import solve_ivp
 
 from plumbline.harness.findings.agreement import Agreement, Side, judged, ways
 from plumbline.harness.findings.agreement.words import JOINTED, STILL, present_words, scene_words, side_sentence
-from plumbline.harness.search.own_limits import Rung, own_limit
+from plumbline.harness.scene import Scene
+from plumbline.harness.search.own_limits import OwnLimit, Rung, own_limit
+from plumbline.harness.statistics.convergence import Convergence, convergence
 from plumbline.harness.trajectory import Trajectory
 from plumbline.harness.trajectory.parting import apart, extent
 from tests.own_limits import (
@@ -287,3 +289,56 @@ def test_no_limit_is_agreed_is_not_said_where_orders_leave_too_few_to_tell() -> 
     assert headline.startswith("Whether there is one limit cannot be told yet: steps of Engine C draw together faster")
     kept = of_orders(a=flown(1.4, 0.01), b=flown(1.4, 0.02))
     assert kept.agreed == "A"
+
+
+def at_rest_beside(scene: Scene, off: float, bar: float) -> OwnLimit:
+    """A limit, known to the end to a bar, that lies off a place by a share of the size."""
+    time = np.linspace(0.0, 1.0, 11)
+    run = Trajectory.of(time, len(scene.bodies))
+    run.p_WB[:] = [body.p_WB for body in scene.bodies]
+    run.p_WB[..., 0] += off * extent(scene).largest
+    said = Convergence(until=1.0, ended="end", horizon=1.0, order=1.0, moved=bar, regular=1.0)
+    return OwnLimit(kind="converges", horizons={}, rungs=(), said=said, value=run, bar=np.full(len(time), bar))
+
+
+def test_what_never_leaves_the_bars_of_the_agreed_limit_agrees_though_its_camp_is_another() -> None:
+    """The sharpest at 0 is confirmed from .015 with a bar of .02: known to .035. Who lies at -.03 is beyond the bars of both of
+    them, .001 and .02, and within that."""
+    scene = ball()
+    limits = {
+        ("mujoco", "tuned"): at_rest_beside(scene, 0.0, 0.001),
+        ("dart", "tuned"): at_rest_beside(scene, 0.015, 0.02),
+        ("bullet", "tuned"): at_rest_beside(scene, -0.03, 0.001),
+    }
+    found = judged(scene, 1.0, limits, ())
+    assert found.bar == pytest.approx(0.035)
+    assert side(found, "bullet").camps == ("B",)
+    assert set(words(found).values()) == {"agrees"}
+    assert not any("part at" in line for line in scene_words(found, {}))
+    further = judged(scene, 1.0, limits | {("bullet", "tuned"): at_rest_beside(scene, -0.04, 0.001)}, ())
+    assert side(further, "bullet").word == "converges elsewhere"
+    assert any("part at" in line for line in scene_words(further, {}))
+
+
+def test_contacts_that_may_lie_a_millimetre_apart_need_not_draw_together_within_a_third_of_it() -> None:
+    """Halvings that move a small cube by .0018 and then .0020 of its size, as a solver that iterates does: of 85 mm a
+    millimetre is .0118, and three times .0020 is less. Where nothing touches that is no convergence."""
+    time = np.linspace(0.0, 1.0, 5)
+    moved = np.array([[0.004], [0.0018], [0.0020]]) * np.ones(5)
+    bar = np.full(5, 3 * 0.0020)
+    steps = [8.0, 4.0, 2.0, 1.0]
+    assert convergence(time, steps, moved, bar, 0.01).until is None
+    assert convergence(time, steps, moved, bar, 0.01, granted=0.0118).until == 1.0
+    assert convergence(time, steps, 2.5 * moved, bar, 0.01, granted=0.0118).until is None  # .005 is more than a third
+
+
+def test_engines_that_part_in_the_middle_of_a_run_have_no_limit_from_then_on() -> None:
+    """Two of them, as one up to .5 s, and then a tenth of the size apart: what they share until then is not denied."""
+    scene = ball()
+    limits = {(name, "tuned"): at_rest_beside(scene, 0.0, 0.001) for name in ("mujoco", "dart")}
+    moved = limits["dart", "tuned"].value
+    assert moved is not None
+    moved.p_WB[moved.time >= 0.5, :, 0] += 0.1 * extent(scene).largest
+    found = judged(scene, 1.0, limits, ())
+    assert found.agreed == ""
+    assert scene_words(found, {})[0].startswith("No limit is agreed from 0.5 s on. Camps: A: ")

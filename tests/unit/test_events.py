@@ -7,7 +7,7 @@ import pytest
 
 from plumbline.harness.findings.agreement import Agreement, Side
 from plumbline.harness.findings.agreement.happened import Happened, alike, body_words, happened_words
-from plumbline.harness.scene import Body, Box, Drive, Plane, Revolute, Scene, Surface
+from plumbline.harness.scene import Body, Box, Drive, Plane, Prismatic, Revolute, Scene, Surface
 from plumbline.harness.scene.joint import Limits
 from plumbline.harness.search.own_limits import OwnLimit
 from plumbline.harness.trajectory import Floats, Trajectory
@@ -147,7 +147,8 @@ def test_a_joint_hits_its_stop_where_it_had_been_away_from_it() -> None:
 
     angle = np.clip(TIME, 0.0, 1.4)
     run = moved(door(0.0), path(z=0.0), about_y(angle))
-    (hit, rest) = happened(door(0.0), run, None)
+    (turned, hit, rest) = happened(door(0.0), run, None)
+    assert (turned.kind, turned.value) == ("turned", pytest.approx(1.4))
     assert (hit.kind, hit.other, hit.body) == ("hit the stop", "hinge", "door")
     assert hit.time == pytest.approx(1.4, abs=2 / 60)
     assert rest.kind == "at rest"
@@ -206,3 +207,152 @@ def test_contacts_that_do_not_press_do_not_touch() -> None:
     assert found.sample.tolist() == [1, 1]
     assert Touched.of({}) is None
     assert Plane().normal == (0.0, 0.0, 1.0)
+
+
+def struck_at(blow: float, before: Floats, after: Floats) -> Floats:
+    """Velocities (t, 3) of what a blow [s] turns from one velocity to another between two samples."""
+    return np.where((blow > TIME)[:, None], before, after)
+
+
+def flown(scene: Scene, **velocities: Floats) -> Trajectory:
+    """Bodies at constant velocities between blows, in no gravity, from where the scene has them."""
+    run = Trajectory.of(TIME, len(scene.bodies))
+    run.p_WB[:] = [body.p_WB for body in scene.bodies]
+    for name, v in velocities.items():
+        index = scene.index(name)
+        run.v_WB[:, index] = v
+        run.p_WB[:, index] += np.vstack([np.zeros(3), np.cumsum(v[:-1] / 60, axis=0)])
+    return run
+
+
+WALL = Body.fixed("wall", Box(half_extents=(0.01, 1.0, 1.0)), p_WB=(1.06, 0.0, 0.0))
+FLOATING = (0.0, 0.0, 0.0)
+
+
+def test_a_blow_between_two_samples_is_told_by_the_jump_that_it_leaves_with_the_wall_that_is_nearest() -> None:
+    """2 m/s to the wall and 1.5 m/s back: no sample has a contact, and the ball comes back where no word told of it before."""
+    far = Body.fixed("far", Box(half_extents=(0.01, 1.0, 1.0)), p_WB=(3.0, 0.0, 0.0))
+    scene = Scene(bodies=(far, WALL, Body.ball("ball", R)), surfaces=(LAW,), gravity=FLOATING)
+    run = flown(scene, ball=struck_at(0.509, np.array([2.0, 0, 0]), np.array([-1.5, 0, 0])))
+    never = Touched(np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros(0, np.int64))
+    for contacts in (None, never):
+        (event,) = happened(scene, run, contacts)
+        assert (event.body, event.kind, event.other, event.count) == ("ball", "collided", "wall", 1)
+        assert event.time == pytest.approx(0.509, abs=1 / 60)
+    assert body_words([event]) == f"'ball' collides with 'wall' at {event.time:.3g} s"
+
+
+def test_of_two_balls_that_hit_each_other_one_blow_is_told() -> None:
+    """A cradle: the velocity goes over from the first to the second, 2 kg m/s each, and the third is far away."""
+    bodies = (
+        Body.ball("first", R, 1.0),
+        Body.ball("second", R, 1.0, p_WB=(1, 0, 0)),
+        Body.ball("third", R, 1.0, p_WB=(0, 9, 0)),
+    )
+    scene = Scene(bodies=bodies, surfaces=(LAW,), gravity=FLOATING)
+    going, still = np.array([2.0, 0, 0]), np.zeros(3)
+    run = flown(scene, first=struck_at(0.45, going, still), second=struck_at(0.45, still, going))
+    (hit, rest) = (event for event in happened(scene, run, None) if event.kind == "collided" or event.body == "third")
+    assert (hit.body, hit.kind, hit.other) == ("first", "collided", "second")
+    assert (rest.body, rest.kind) == ("third", "at rest")
+
+
+def test_friction_that_begins_a_push_that_lasts_and_a_landing_are_no_collision() -> None:
+    slowing = 2.0 - 5 * G * np.clip(TIME - 0.5, 0.0, 2.0 / (5 * G))  # of a coefficient of 5, from one sample to the next
+    x = np.concatenate([[0.0], np.cumsum(slowing[:-1] / 60)])
+    assert "collided" not in named(happened(CUBE, moved(CUBE, path(x)), ALWAYS))
+    z = np.maximum(R, 1.0 - G * TIME**2 / 2)
+    assert "collided" not in named(happened(CUBE, moved(CUBE, path(z=z)), touched(z <= R)))
+
+
+def test_a_ball_that_flies_against_a_ceiling_collides_with_it() -> None:
+    roof = Body.fixed("roof", Box(half_extents=(1.0, 1.0, 0.01)), p_WB=(0.0, 0.0, 1.06))
+    scene = Scene(bodies=(roof, Body.ball("ball", R)), surfaces=(LAW,))
+    run = flown(scene, ball=struck_at(0.3, np.array([0, 0, 5.0]), np.array([0, 0, -3.0])))
+    run.v_WB[:, 1, 2] -= G * TIME
+    run.p_WB[:, 1, 2] -= G * TIME**2 / 2
+    (event,) = [event for event in happened(scene, run, None) if event.kind == "collided"]
+    assert (event.body, event.other) == ("ball", "roof")
+
+
+def hinged(angle: Floats, held: bool = True) -> tuple[Event, ...]:
+    hinge = Revolute(name="hinge", parent="world" if held else "base", child="bob", anchor_W=(0, 0, 0), axis_W=(0, 1, 0))
+    base = () if held else (Body.box("base", (R, R, R), mass=9.0, touches=False),)
+    scene = Scene(bodies=(*base, Body.box("bob", (R, R, R), touches=False)), joints=(hinge,))
+    return happened(scene, moved(scene, path(z=0.0), about_y(angle)), None)
+
+
+def test_a_pendulum_swings_to_and_fro_until_it_only_settles() -> None:
+    """From 1 rad with a period of 0.8 s and a decay of 1 /s: every half period it turns back, the first time after 0.4 s."""
+    events = hinged(np.exp(-TIME) * np.cos(2 * np.pi * TIME / 0.8) - 1.0)
+    (swung,) = [event for event in events if event.kind == "swung"]
+    assert (swung.body, swung.other) == ("bob", "hinge")
+    assert swung.value == pytest.approx(1 + math.exp(-0.4), rel=0.02)
+    # A half swing is (1 + e^-.4) e^(-.4 k); more than a tenth of the first for k up to 5, and 7 halves fit into 3 s.
+    assert swung.count == 5
+    degrees = math.degrees(swung.value)
+    assert body_words([swung]) == f"'bob' swings to and fro by {degrees:.3g} degrees about 'hinge', turning back 5 times"
+
+
+def test_a_joint_that_goes_one_way_turns_where_its_machine_is_held() -> None:
+    overshoot = 1.5 * (1 - np.exp(-5 * TIME) * np.cos(4 * TIME))  # past its target by 2 %, which only settles
+    assert named(hinged(overshoot)) == ["turned", "at rest"]
+    assert named(hinged(40.0 * TIME)) == ["turned"]
+    assert body_words(hinged(40.0 * TIME)) == "'bob' turns by 19.1 turns about 'hinge'"
+    assert named(hinged(overshoot, held=False)) == ["at rest"]
+    assert named(hinged(0.004 * np.sin(9 * TIME))) == ["at rest"]
+
+
+def test_a_slider_goes_to_and_fro_along_its_axis() -> None:
+    slider = Prismatic(name="rail", parent="world", child="cart", anchor_W=(0, 0, 0), axis_W=(1, 0, 0))
+    scene = Scene(bodies=(Body.box("cart", (R, R, R), touches=False),), joints=(slider,))
+    (event,) = happened(scene, moved(scene, path(0.2 * np.sin(4 * TIME), 0.0)), None)
+    assert (event.kind, event.other, event.value) == ("shuttled", "rail", pytest.approx(0.4, rel=0.01))
+    assert body_words([event]).startswith("'cart' goes to and fro by 4")
+
+
+def test_of_many_bodies_the_first_few_are_told_and_the_rest_are_counted() -> None:
+    events = [Event(body=f"b{k}", kind="slid", time=0.1, value=0.1 + k / 100) for k in range(9)]
+    said = body_words(events)
+    assert said.count("slides by") == 6
+    assert said.endswith("; and 3 more like these")
+
+
+def test_what_gives_way_under_a_body_lets_it_sink_and_what_stays_is_another_answer() -> None:
+    """3 mm into the floor within .1 s, of a size of 2 sqrt(3) 50 mm: more than a hundredth, and soon at rest."""
+    sinking = happened(CUBE, moved(CUBE, path(z=R - 0.03 * np.clip(TIME, 0.0, 0.1))), ALWAYS)
+    staying = happened(CUBE, moved(CUBE, path()), ALWAYS)
+    assert named(sinking) == ["sank", "at rest"]
+    assert body_words(sinking).startswith("'cube' sinks by 3 mm, is at rest from ")
+    assert not alike(sinking, staying, 3.0, CUBE)
+    moves_first, stays = (Event(body="cube", kind="at rest", time=time) for time in (0.05, 0.0))
+    assert not alike([moves_first], [stays], 3.0, CUBE)
+    settling = happened(CUBE, moved(CUBE, path(z=R - 0.01 * np.clip(TIME, 0.0, 0.1))), ALWAYS)
+    assert named(settling) == ["at rest"]
+
+
+def test_a_ball_that_touches_now_and_again_rolls_and_never_tips_over() -> None:
+    """Its contact is recorded at every third sample, as of a ball that hops by micrometres; half a turn leans it by pi."""
+    x = np.clip(0.3 * TIME, 0.0, 0.5 * math.pi * R * 2)
+    spin = np.stack([0 * TIME, np.where(x[-1] / 0.3 > TIME, 0.3 / R, 0.0), 0 * TIME], axis=1)
+    flicker = touched(np.arange(len(TIME)) % 3 == 0)
+    events = happened(BALL, moved(BALL, path(x), about_y(x / R), spin), flicker)
+    assert named(events) == ["rolled", "at rest"]
+    flying = happened(BALL, moved(BALL, path(x, R + 0.5), about_y(x / R), spin), touched(TIME == 0.0))
+    assert "tipped" not in named(flying)
+
+
+def test_the_partner_of_a_blow_is_what_is_thrown_back_and_not_the_floor_that_is_touched_again() -> None:
+    """A ball that rolls over a floor, which it touches now and again, against another: the floor is in no collision."""
+    floor = Body.ground("default")
+    balls = (Body.ball("cue", R, 1.0, p_WB=(0, 0, R)), Body.ball("red", R, 1.0, p_WB=(1, 0, R)))
+    scene = Scene(bodies=(floor, *balls), surfaces=(LAW,))
+    going, still = np.array([2.0, 0, 0]), np.zeros(3)
+    run = flown(scene, cue=struck_at(0.45, going, still), red=struck_at(0.45, still, going))
+    places = np.array([12, 27, 28, 60])  # of the floor under the cue ball: not at the samples just before the blow
+    contacts = Touched(places, np.zeros(4, np.int64), np.ones(4, np.int64))
+    (hit,) = [event for event in happened(scene, run, contacts) if event.kind == "collided"]
+    assert (hit.body, hit.other) == ("cue", "red")
+    # A ball that bounces has left the floor as often as it does so: that is told once.
+    z = np.maximum(R, R + np.abs(np.sin(4 * TIME)) * 0.3)
+    assert "left the ground" not in named(happened(BALL, moved(BALL, path(z=z)), touched(z <= R + 0.02)))

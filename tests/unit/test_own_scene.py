@@ -13,13 +13,15 @@ import pytest
 
 from plumbline.harness.case.own_titles import title_of
 from plumbline.harness.case.scene_file import own_case
-from plumbline.harness.cli.own_scene import closing_count, closing_words
+from plumbline.harness.cli.own_scene import closing_count, closing_words, waiting
 from plumbline.harness.findings import tables
 from plumbline.harness.findings.agreement import agreements, balances, errors_of, outlooks
-from plumbline.harness.findings.agreement.costs import best_setting
+from plumbline.harness.findings.agreement.costs import best_price, best_setting
 from plumbline.harness.findings.agreement.happened import happenings
 from plumbline.harness.findings.agreement.setting_causes import Turned, settings_turned
+from plumbline.harness.findings.agreement.so_far import words_so_far
 from plumbline.harness.findings.agreement.values import Side, Word
+from plumbline.harness.findings.agreement.words import cut_words
 from plumbline.harness.findings.prices import Prices
 from plumbline.harness.findings.selection import Wish, choose
 from plumbline.harness.findings.selection.evidence import DECADES_OF_SPEED
@@ -28,6 +30,7 @@ from plumbline.harness.findings.sensor_readings.converged import converged_readi
 from plumbline.harness.run.campaign import carry_out
 from plumbline.harness.scene import Body, Imu, Scene, sphere_inertia
 from plumbline.harness.scene.file import dump_toml, load
+from plumbline.harness.store.journal import read_journal
 from plumbline.harness.store.store import Store
 from plumbline.harness.study import plugins
 from plumbline.harness.study.experiment import Refinement
@@ -37,6 +40,8 @@ from plumbline.reports import build, write_recordings
 from plumbline.reports.html import report as html
 from plumbline.reports.page import pages
 from plumbline.reports.pages.scene import PAGE, answers_of
+from plumbline.reports.pictures import answer_pictures
+from plumbline.reports.pictures.case_pictures import sight
 from tests.in_process import clocked_by, in_this_process
 from tests.known_prices import LAWS, PLUGINS
 from tests.links import dangling
@@ -351,7 +356,8 @@ def test_each_verdict_on_the_first_screen_is_followed_by_its_cause(gripping: Don
     """Two sides that are off, one of them with a cause: it stands behind that one's verdict and in front of the other's."""
     (agreement,) = agreements(gripping.store)
     off = tuple(replace(side, word="does not converge", why="planted") for side in agreement.sides)
-    answers = {answer.title: answer for answer in answers_of(gripping.store, replace(agreement, sides=off), parted=False)}
+    seen = sight(gripping.store, gripping.case)
+    answers = {answer.title: answer for answer in answers_of(gripping.store, replace(agreement, sides=off), seen)}
     default, tuned = answers["Who is off, and why?"].sentences
     assert default.startswith("MuJoCo, default: does not converge")
     assert default.endswith("% of that.")
@@ -373,3 +379,114 @@ def test_what_happens_is_told_with_who_differs_in_it(fallen: Done) -> None:
         assert {event.body for event in group.events} <= {"box_0"}
         assert "passed through" not in {event.kind for event in group.events}
     assert closing_words(fallen.store)[1].startswith("What happens")
+
+
+def test_a_first_look_tells_what_is_known_so_far_and_gives_no_verdict(
+    gripping: Done, thrown: Done, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Three steps of a ladder whose limits end apart say that they lie apart so far: smaller ones may bring them together."""
+    for done in (gripping, thrown):
+        records = list(read_journal(done.store.folder / "journal.jsonl").values())
+        first = [each for each in records if each.trial in set(done.store.asked["trial"]) and each.dt > 1 / 1000]
+        waiting({done.case: plugins.case(done.case)}, done.store.folder, None)._look(first)
+        shown, said = capsys.readouterr()
+        told = shown + said
+        assert "no verdict yet" in shown
+        assert not any(word in told for word in ("agrees", "converge", "limit", "camp", "known to"))
+        assert "Smaller steps may change that." in said
+    assert said.startswith("So far together to the end: ")
+
+    (agreement,) = agreements(gripping.store)
+    verdicts = ("converges elsewhere", "does not converge")
+    sides = tuple(replace(side, word=word, distance=0.5) for side, word in zip(agreement.sides, verdicts, strict=True))
+    (told, *_) = words_so_far(gripping.store, replace(agreement, sides=sides), {"mujoco": "MuJoCo"})
+    apart_and_open = r"So far apart, by 50 % .*at most: MuJoCo \(default\); not settled yet: MuJoCo \(tuned\)\. Smaller .*"
+    assert re.fullmatch(apart_and_open, told)
+
+
+def test_each_of_the_five_answers_has_its_picture(thrown: Done) -> None:
+    (text,) = (str(text) for name, text in PAGE.render(thrown.store).items() if name.endswith(".html"))
+    hero = text[text.index('<section class="hero') : text.index("</section>")]
+    for question, after in zip(QUESTIONS, (*QUESTIONS[1:], "Verdicts"), strict=True):
+        answer = hero[hero.index(question) : hero.index(after)]
+        assert answer.count("<svg") == answer.count('role="img"') == answer.count("<figcaption>") == 1, question
+        assert re.search(r"<(path|circle|rect) [^>]*#[0-9a-f]{6}", answer), question  # something in an engine's colour
+
+
+def test_the_picture_of_runs_has_a_mark_for_each_step_and_a_symbol_where_there_is_no_answer(gripping: Done) -> None:
+    (agreement,) = agreements(gripping.store)
+    default, tuned = agreement.sides
+    lost = replace(default.limit.rungs[0], run=None, status="diverged")
+    cut = replace(default, limit=replace(default.limit, rungs=(lost, *default.limit.rungs[1:])))
+    drawn = answer_pictures.runs_by_step(gripping.store, replace(agreement, sides=(cut, tuned)))
+    assert drawn is not None
+    assert drawn.rows is not None
+    assert [[spot.symbol for spot in line.spots] for line in drawn.rows.lines] == [["∞", "", ""], ["", "", ""]]
+    assert [words for _, words in drawn.rows.ticks] == ["1/240 s", "1/960 s"]
+
+
+def test_the_picture_of_causes_shows_what_each_setting_closes_and_without_any_how_far_each_is_off(gripping: Done) -> None:
+    (agreement,) = agreements(gripping.store)
+    turned = settings_turned(gripping.store, agreement)
+    drawn = answer_pictures.causes(gripping.store, agreement, turned)
+    assert drawn is not None
+    assert drawn.rows is not None
+    assert len(drawn.rows.lines) == len(turned)
+    first, *others = drawn.rows.lines
+    assert first.label == "MuJoCo cone"
+    assert first.strong
+    assert not any(line.strong for line in others)
+    assert first.bar is not None
+    assert drawn.rows.limit is not None
+    assert first.bar > drawn.rows.limit  # it closes more than the four fifths that make a cause
+    off = answer_pictures.causes(gripping.store, agreement, [])
+    assert off is not None
+    assert off.rows is not None
+    assert [line.label for line in off.rows.lines] == ["MuJoCo default", "MuJoCo tuned"]
+
+
+def test_the_picture_of_what_to_set_ranks_by_speed_and_marks_what_is_advised(thrown: Done) -> None:
+    (agreement,) = agreements(thrown.store)
+    best = best_price(thrown.store, agreement)
+    assert best is not None
+    drawn = answer_pictures.speeds(thrown.store, agreement, best)
+    assert drawn is not None
+    assert drawn.rows is not None
+    places = [line.spots[0].x for line in drawn.rows.lines]
+    assert places == sorted(places, reverse=True)
+    (strong,) = [line for line in drawn.rows.lines if line.strong]
+    assert strong.words.endswith(f"1/{1 / (best.dt or 1.0):.4g} s")
+    nobody = answer_pictures.speeds(thrown.store, replace(agreement, case="another"), None)
+    assert nobody is not None
+    assert nobody.rows is not None
+    assert "smallest error" in nobody.rows.caption
+
+
+def test_engines_whose_limits_are_one_are_shown_as_they_move(gripping: Done) -> None:
+    """No distance has a logarithm there: the picture is that of all runs over one another."""
+    (agreement,) = agreements(gripping.store)
+    alone = replace(agreement, sides=agreement.sides[:1])
+    motion = sight(gripping.store, gripping.case).overview
+    drawn = answer_pictures.distances(gripping.store, alone, motion)
+    assert drawn is not None
+    assert drawn.panel is motion is not None
+
+
+def test_verdicts_on_ladders_that_time_cut_short_say_so(gripping: Done) -> None:
+    """The ladders were to come down to 1/960 s, and did; had it been 1/3840 s, the verdicts would be those of three steps."""
+    (agreement,) = agreements(gripping.store)
+    assert agreement.finest == pytest.approx(1 / 960)
+    assert not any("Time ended" in sentence for sentence in closing_words(gripping.store))
+    default, tuned = agreement.sides
+    shorter = replace(default, limit=replace(default.limit, rungs=default.limit.rungs[:2]))
+    (sentence,) = cut_words(replace(agreement, sides=(shorter, tuned)), {"mujoco": "MuJoCo"})
+    assert sentence.startswith("Time ended before all steps were run on MuJoCo (default): smaller ones may change")
+    seen = sight(gripping.store, gripping.case)
+    answers = {answer.title: answer for answer in answers_of(gripping.store, replace(agreement, finest=1 / 3840), seen)}
+    assert answers["Do they agree?"].sentences[1].startswith("Time ended before all steps were run on MuJoCo: ")
+    # A limit that is not known to the end is given finer steps than one that is.
+    unknown = replace(tuned, limit=replace(tuned.limit, kind="does not converge"))
+    assert replace(agreement, sides=(default, unknown), finest_unknown=1 / 3840).cut_short == (unknown,)
+    lost = replace(default.limit.rungs[-1], run=None, status="diverged")
+    ended = replace(default, limit=replace(default.limit, rungs=(*default.limit.rungs[:2], lost)))
+    assert replace(agreement, sides=(ended,)).cut_short == ()

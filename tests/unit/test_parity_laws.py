@@ -1,10 +1,13 @@
 """Laws beside the tree are compared by their numbers, and two robots are moved alike until they part."""
 
+import re
 from pathlib import Path
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 
+from plumbline.harness.cli.main import main
 from plumbline.harness.intake.import_wishes import Wishes
 from plumbline.harness.intake.refusal import RobotError
 from plumbline.harness.scene.parity.comparison import compare, renamed
@@ -133,3 +136,50 @@ def test_torques_of_a_file_are_joined_by_lines_and_refused_by_column(tmp_path: P
         table.write_text(text)
         with pytest.raises(RobotError, match=said):
             motion_of(str(table), robot, start, DOWN, 1.0)
+
+
+SLIDE = (
+    '<robot name="s"><link name="b"/><link name="l"><inertial><mass value="{mass}"/>'
+    '<inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial></link>'
+    '<joint name="rail" type="prismatic"><parent link="b"/><child link="l"/><axis xyz="1 0 0"/>'
+    '<limit lower="-9" upper="9" effort="100" velocity="100"/></joint></robot>'
+)
+
+
+@pytest.mark.parametrize(("option", "seconds"), [((), 0.3449), (("--interpolate",), 0.2329)])
+def test_two_files_part_under_a_recorded_force_when_their_masses_say(
+    tmp_path: Path, option: tuple[str, ...], seconds: float
+) -> None:
+    """2 and 2.1 kg lie (1/2 - 1/2.1) of the twofold integral of the force apart: a millimetre takes .042 N s2. The log begins
+    at its own time. Held, there is no force for .2 s, and then 4 t^2 / 2 makes that in .1449 s. Joined by lines, 20 t makes
+    20 t^3 / 6 = .0267 N s2 and 10 t^2 = .4 N s in .2 s, and .0267 + .4 t + 4 t^2 / 2 is .042 after another .0329 s.
+    """
+    pytest.importorskip("mujoco")
+    paths = [tmp_path / "a.urdf", tmp_path / "b.urdf"]
+    for path, mass in zip(paths, ("2", "2.1"), strict=True):
+        path.write_text(SLIDE.format(mass=mass))
+    recorded = tmp_path / "log.csv"
+    recorded.write_text("time,rail:torque\n1000,0\n1000.2,4\n1000.4,4\n")
+    command = [
+        "parity",
+        *map(str, paths),
+        "--commands",
+        str(recorded),
+        "--seconds",
+        "1",
+        "--out",
+        str(tmp_path / "out"),
+        *option,
+    ]
+    done = CliRunner().invoke(main, command)
+    assert done.exit_code == 1  # their masses differ
+    told = re.search(r"they part after ([\d.]+) s, at 'rail'", done.output)
+    assert told is not None, done.output
+    assert float(told[1]) == pytest.approx(seconds, abs=2 * DT)
+    for sentence in (
+        "its first time, 1000 s, is taken as the start",
+        "ends at 0.4 s of 1 s; its last values are held from there on",
+        f"rail (torque); {'joined by straight lines' if option else 'held between samples'}",
+    ):
+        assert sentence in done.output
+    assert "log.csv" in (tmp_path / "out" / "index.html").read_text()

@@ -21,32 +21,28 @@ def cost_words(store: Store) -> list[str]:
     return [sentence for one in agreements(store) if one.agreed and (sentence := _sentence(store, one, titles, ours))]
 
 
-def best_setting(store: Store, agreement: Agreement) -> str:
-    """What to set: the engine that people can deploy, and its setting, that reaches the target cheapest; '' where none does.
+def best_price(store: Store, agreement: Agreement) -> Price | None:
+    """The price of what reaches the target cheapest of the engines that people can deploy; None where none does.
 
     Only a track that agrees with the limit is advised: one that does not may come near it at one step and not at the next.
     """
-    engines = store.catalogue.get("engines", {})
-    agreeing = {(side.engine, side.track) for side in agreement.sides if side.word == "agrees"}
-    ranked = sorted(
-        (
-            price
-            for price in _asked(store, agreement)
-            if price.cost and (price.engine, price.track) in agreeing and not engines.get(price.engine, {}).get("ours")
-        ),
-        key=lambda price: price.cost or 0.0,
-    )
-    if not agreement.agreed or not ranked:
+    agreeing = {(side.engine, side.track) for side in agreement.sides if side.word == "agrees" and not side.ours}
+    reaching = [price for price in at_target(store, agreement) if price.cost and (price.engine, price.track) in agreeing]
+    return min(reaching, key=lambda price: price.cost or 0.0, default=None) if agreement.agreed else None
+
+
+def best_setting(store: Store, agreement: Agreement) -> str:
+    """What to set, in a sentence; '' where nothing can be advised."""
+    if (best := best_price(store, agreement)) is None:
         return ""
-    best = ranked[0]
     step = "" if best.dt is None else f" at {in_words({STEP: best.dt})}{beside(best.substeps)}"
-    title = str(engines.get(best.engine, {}).get("title") or best.engine)
+    title = store.titles.get(best.engine, best.engine)
     pace = f"{1 / (best.cost or 1.0):.3g} times real time at {100 * WITHIN:g} % or less"
     bound = "; larger steps were not tried" if best.verdict == "at most" else ""
     return f"{title}, {best.track}{step}: {pace}{bound}."
 
 
-def _asked(store: Store, agreement: Agreement) -> list[Price]:
+def at_target(store: Store, agreement: Agreement) -> list[Price]:
     """The prices of the target in a scene."""
     return [
         price
@@ -58,7 +54,7 @@ def _asked(store: Store, agreement: Agreement) -> list[Price]:
 
 
 def _sentence(store: Store, agreement: Agreement, titles: Mapping[str, str], ours: set[str]) -> str:
-    asked = _asked(store, agreement)
+    asked = at_target(store, agreement)
     paced = sorted((price for price in asked if price.cost), key=lambda price: price.cost or 0.0)
     ranked = [price for price in paced if price.engine not in ours]
     if not ranked:

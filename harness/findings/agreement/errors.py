@@ -61,8 +61,8 @@ def _of_side(agreement: Agreement, side: Side) -> dict[str, Errors]:
     for rung in side.limit.rungs:
         if rung.run is not None:
             here, there = common([rung.run.between(0.0, until), limit.between(0.0, until)])
-            # A run that is its engine's limit itself, where no order shows, errs by what that is known to and not by nothing.
-            error = float(apart(here, there, agreement.scale).max(initial=0.0)) or (0.0 if agreement.limit is not None else off)
+            # A run that is the limit itself, where no order shows, errs by what that is known to and not by nothing.
+            error = float(apart(here, there, agreement.scale).max(initial=0.0)) or off
             errors[rung.trial] = Errors(error=error, off=off, agreed=agreement.limit is not None, until=until)
     return errors
 

@@ -41,12 +41,20 @@ def agreements(store: Store) -> tuple[Agreement, ...]:
 
 def _ladders(store: Store) -> list[str]:
     """The experiments that went on halving: others run a step or two of a scene for ends of their own."""
+    return [str(experiment.get("name")) for experiment in _refining(store)]
+
+
+def _refining(store: Store) -> list[dict[str, Any]]:
     experiments = store.study.get("experiments", [])
-    return (
-        [str(experiment.get("name")) for experiment in experiments if isinstance(experiment, dict) and experiment.get("refine")]
-        if isinstance(experiments, list)
-        else []
-    )
+    listed = experiments if isinstance(experiments, list) else []
+    return [experiment for experiment in listed if isinstance(experiment, dict) and experiment.get("refine")]
+
+
+def _finest(store: Store) -> tuple[float, float]:
+    """The step [s] that ladders are to come down to, and that of a limit that is not known to the end; 0 where none is said."""
+    refined = [experiment["refine"] for experiment in _refining(store)]
+    finest = min((float(each.get("finest") or 0.0) for each in refined), default=0.0)
+    return finest, finest / 2 ** max((int(each.get("further") or 0) for each in refined), default=0)
 
 
 def _agreement(store: Store, case: str, where: str, rows: Sequence[Any]) -> Agreement:
@@ -65,7 +73,9 @@ def _agreement(store: Store, case: str, where: str, rows: Sequence[Any]) -> Agre
     ours = [name for name, engine in engines.items() if engine.get("ours")]
     duration = float(store.described("cases", case)["duration"])
     agreement = judged(scene, duration, limits, ours, touching=touching, case=case, where=where)
-    return replace(agreement, sides=tuple(replace(side, adds=_added(store, side)) for side in agreement.sides))
+    with_effects = tuple(replace(side, adds=_added(store, side)) for side in agreement.sides)
+    finest, finest_unknown = _finest(store)
+    return replace(agreement, sides=with_effects, finest=finest, finest_unknown=finest_unknown)
 
 
 def _added(store: Store, side: Side) -> tuple[str, ...]:

@@ -5,17 +5,20 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 from plumbline.harness.findings.agreement.values import Agreement
-from plumbline.harness.findings.agreement.words import distance_words, listed
+from plumbline.harness.findings.agreement.words import angle_words, called, distance_words, listed
 from plumbline.harness.scene import Scene
 from plumbline.harness.scene.file import parse
 from plumbline.harness.store.store import Store
 from plumbline.harness.trajectory import Trajectory
-from plumbline.harness.trajectory.events import MOVED, Event, Kind, Touched, happened, size_of
+from plumbline.harness.trajectory.events import ANGLES, MOVED, Event, Kind, Touched, happened, size_of
 
 _END = 0.01
 """Of the run: a time so near its end is the end, and none is named."""
 ALIKE = 0.1
 """Of a distance or of the run: what two engines' events may differ by and be called alike, as wide as what words tell."""
+
+FEW = 6
+"""Bodies that a sentence tells of, those alike counted once: a heap has hundreds."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -64,23 +67,31 @@ def alike(some: Sequence[Event], others: Sequence[Event], duration: float, scene
 
 
 def _unlike(event: Event, other: Event, duration: float, scene: Scene) -> bool:
+    if event.kind == "at rest" and (event.time == 0.0) != (other.time == 0.0):
+        return True  # one of them moved first
     if abs(event.time - other.time) > ALIKE * duration or abs(event.count - other.count) > max(1, ALIKE * event.count):
         return True
     if event.value is None or other.value is None:
         return False
-    least = ALIKE if event.kind == "tipped" else MOVED * size_of(scene, scene.index(event.body))
+    least = ALIKE if event.kind in ANGLES else MOVED * size_of(scene, scene.index(event.body))
     return abs(event.value - other.value) > max(least, ALIKE * max(event.value, other.value))
 
 
 _WORDS: Mapping[Kind, str] = {
     "passed through": "passes through '{other}' at {time}",
     "bounced": "bounces {times}, first by {value} at {time}",
+    "collided": "collides with '{other}' at {time}",
     "left the ground": "leaves the ground at {time}, by {value} at most",
     "fell off": "falls off '{other}' at {time}, by {value}",
     "tipped": "tips over at {time}",
     "rolled": "rolls away by {value}",
     "slid": "slides by {value}",
     "moved": "moves by {value}",
+    "sank": "sinks by {value}",
+    "swung": "swings to and fro by {value} about '{other}', turning back {times}",
+    "shuttled": "goes to and fro by {value} along '{other}', turning back {times}",
+    "turned": "turns by {value} about '{other}'",
+    "shifted": "goes by {value} along '{other}'",
     "hit the stop": "hits the stop of '{other}' at {time}",
     "at rest": "is at rest from {time} on",
 }
@@ -90,8 +101,11 @@ def event_words(event: Event) -> str:
     """'bounces 9 times, first by 245 mm at 0.32 s'."""
     if event.kind == "at rest" and event.time == 0.0:
         return "stays where it is"
-    value = "" if event.value is None else distance_words(event.value)
+    value = "" if event.value is None else angle_words(event.value) if event.kind in ANGLES else distance_words(event.value)
     times = "once" if event.count == 1 else f"{event.count} times"
+    if event.kind == "collided" and (event.count > 1 or not event.other):
+        first, other = f"{times}, first " if event.count > 1 else "", f"with '{event.other}' " if event.other else ""
+        return f"collides {first}{other}at {event.time:.3g} s"
     return _WORDS[event.kind].format(other=event.other, time=f"{event.time:.3g} s", value=value, times=times)
 
 
@@ -103,7 +117,12 @@ def body_words(events: Sequence[Event]) -> str:
     together: dict[str, list[str]] = {}
     for body, words in by_body.items():
         together.setdefault(", ".join(words), []).append(f"'{body}'")
-    return "; ".join(f"{listed(bodies)}{' each' * (len(bodies) > 1)} {words}" for words, bodies in together.items())
+    return _first_few([f"{listed(bodies)}{' each' * (len(bodies) > 1)} {words}" for words, bodies in together.items()])
+
+
+def _first_few(sentences: Sequence[str]) -> str:
+    left = len(sentences) - FEW
+    return "; ".join([*sentences[:FEW], *([f"and {left} more like these"] if left > 0 else [])])
 
 
 def happened_words(groups: Sequence[Happened], agreement: Agreement, titles: Mapping[str, str]) -> list[str]:
@@ -111,10 +130,10 @@ def happened_words(groups: Sequence[Happened], agreement: Agreement, titles: Map
     if not groups:
         return []
     first, *others = groups
-    sentence = body_words(first.events) or "no body rests, bounces, tips, slides or meets a stop"
-    lines = [f"What happens{'' if not others else ' on ' + _of(first, agreement, titles)}: {sentence}."]
+    sentence = body_words(first.events) or "no body rests, bounces, collides, tips, slides, swings or meets a stop"
+    lines = [f"What happens{'' if not others else ' on ' + called(first.sides, agreement, titles)}: {sentence}."]
     for other in others:
-        lines.append(f"Otherwise on {_of(other, agreement, titles)}: {_differing(first.events, other.events)}.")
+        lines.append(f"Otherwise on {called(other.sides, agreement, titles)}: {_differing(first.events, other.events)}.")
     return lines
 
 
@@ -126,8 +145,7 @@ def _differing(base: Sequence[Event], events: Sequence[Event]) -> str:
     other = [event for event in events if (event.body, event_words(event)) not in shared]
     lacks = [event for key, event in keys.items() if key not in own]
     words = [body_words(other)] if other else []
-    words += [f"'{event.body}' {_LACKING[event.kind].format(other=event.other)}" for event in lacks]
-    return "; ".join(words)
+    return _first_few([*words, *(f"'{event.body}' {_LACKING[event.kind].format(other=event.other)}" for event in lacks)])
 
 
 def end_words(groups: Sequence[Happened], store: Store, agreement: Agreement, titles: Mapping[str, str]) -> list[str]:
@@ -147,8 +165,7 @@ def end_words(groups: Sequence[Happened], store: Store, agreement: Agreement, ti
             what = f": {_differing(groups[0].events, finest_events)}"
         ends.setdefault((side.limit.seen_until, what), []).append((side.engine, side.track))
     parts = [
-        f"{_of(Happened(sides=tuple(sides), events=()), agreement, titles)} from {f'{time:.3g} s' if time else 'the start'} "
-        f"on{what}"
+        f"{called(sides, agreement, titles)} from {f'{time:.3g} s' if time else 'the start'} on{what}"
         for (time, what), sides in sorted(ends.items())
     ]
     return [f"Smaller steps no longer agree with each other on {'; on '.join(parts)}."] if parts else []
@@ -157,26 +174,18 @@ def end_words(groups: Sequence[Happened], store: Store, agreement: Agreement, ti
 _LACKING: Mapping[Kind, str] = {
     "passed through": "does not pass through '{other}'",
     "bounced": "does not bounce",
+    "collided": "does not collide",
     "left the ground": "does not leave the ground",
     "fell off": "does not fall off '{other}'",
     "tipped": "does not tip over",
     "rolled": "does not roll away",
     "slid": "does not slide",
     "moved": "does not move away",
+    "sank": "does not sink",
+    "swung": "does not swing to and fro about '{other}'",
+    "shuttled": "does not go to and fro along '{other}'",
+    "turned": "does not turn about '{other}'",
+    "shifted": "does not go along '{other}'",
     "hit the stop": "does not hit the stop of '{other}'",
     "at rest": "is not at rest at the end",
 }
-
-
-def _of(group: Happened, agreement: Agreement, titles: Mapping[str, str]) -> str:
-    """'Bullet (default) and DART'."""
-    tracks: dict[str, list[str]] = {}
-    for engine, track in group.sides:
-        tracks.setdefault(engine, []).append(track)
-    every = {engine: {side.track for side in agreement.sides if side.engine == engine} for engine in tracks}
-    return listed(
-        [
-            titles.get(engine, engine) + ("" if set(mine) == every[engine] else f" ({listed(mine)})")
-            for engine, mine in tracks.items()
-        ]
-    )

@@ -197,9 +197,11 @@ def _differences(sides: Sequence[Side], plain: Agreement, scene: Scene) -> tuple
     differences = []
     for first, second in combinations(letters, 2):
         pair = _compare(sharpest[first], sharpest[second], plain.scale, plain.granted)
-        since = pair.since if pair.since is not None else pair.time
-        body = scene.bodies[pair.body].name
-        differences.append(Difference(one=first, other=second, distance=pair.distance, time=pair.time, since=since, body=body))
+        if pair.since is not None:
+            name, distance = scene.bodies[pair.body].name, pair.distance
+            differences.append(
+                Difference(one=first, other=second, distance=distance, time=pair.time, since=pair.since, body=name)
+            )
     return tuple(differences)
 
 
@@ -229,6 +231,7 @@ def _placed(side: Side, agreed: Agreement) -> Side:
     pair = _compare(_known(side), _Known(agreed.limit, agreed.bars, agreed.until), agreed.scale, agreed.granted)
     if side.limit.too_fast:
         return replace(_not_yet(side) if pair.since is not None else replace(side, word="agrees"), distance=pair.distance)
-    word: Word = "agrees" if agreed.agreed in side.camps else "converges elsewhere"
+    # A camp forms about its sharpest member; what never leaves the bars of the agreed limit is no other answer.
+    word: Word = "agrees" if agreed.agreed in side.camps or pair.since is None else "converges elsewhere"
     since = pair.since if word == "converges elsewhere" else None
     return replace(side, word=word, distance=pair.distance, since=since)

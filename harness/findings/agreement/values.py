@@ -66,6 +66,8 @@ class Agreement:
         granted: share of the size that limits may lie apart beyond their bars.
         agreed: the camp whose limit is the truth here, '' where none is. until [s]: up to there it is known; bar: its error
         there, as a share of the size. limit: its poses, bars (t,) up to each sample; None without one.
+        finest [s]: the step that every ladder is to come down to, if there is time, and finest_unknown [s] where its limit is
+        not known to the end; 0 where none is said.
     """
 
     case: str
@@ -81,6 +83,8 @@ class Agreement:
     limit: Trajectory | None = None
     bars: Floats | None = None
     scene: Scene | None = None
+    finest: float = 0.0
+    finest_unknown: float = 0.0
 
     def members(self, camp: str) -> tuple[Side, ...]:
         """Those that stand in a camp, undecided ones left out."""
@@ -97,6 +101,17 @@ class Agreement:
         cosine = np.abs(np.sum(self.limit.q_WB * self.limit.q_WB[:1], axis=-1)).min(initial=1.0)
         turned = 2.0 * np.arccos(min(1.0, float(cosine)))
         return bool(moved <= least and turned <= max(self.bar or 0.0, np.sqrt(ROUNDING)))
+
+    @property
+    def cut_short(self) -> tuple[Side, ...]:
+        """Whose ladder of steps ended before it came down to the finest one, though the last step had an answer."""
+
+        def cut(side: Side) -> bool:
+            last = side.limit.rungs[-1] if side.limit.rungs else None
+            finest = self.finest if side.limit.until >= 0.999 * self.duration else self.finest_unknown
+            return last is not None and last.run is not None and last.dt > finest * (1 + 1e-9) > 0
+
+        return tuple(filter(cut, self.sides))
 
     @property
     def moving(self) -> tuple[Side, ...]:

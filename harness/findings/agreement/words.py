@@ -3,8 +3,14 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import numpy as np
+
 from plumbline.harness.findings.agreement.perturbed_starts import LAWS, Balance, Outlook, foreseeable_until
 from plumbline.harness.findings.agreement.values import Agreement, Side
+
+
+AT_START = 0.05
+"""Of the run: who parts within it differs from the start on."""
 
 
 def share(value: float) -> str:
@@ -28,6 +34,12 @@ def distance_words(distance: float) -> str:
     return f"{distance * by:.3g} {unit}"
 
 
+def angle_words(angle: float) -> str:
+    """An angle [rad]: '114 degrees', from two turns on '5.3 turns'."""
+    degrees = float(np.degrees(angle))
+    return f"{degrees:.3g} degrees" if degrees < 720 else f"{degrees / 360:.3g} turns"
+
+
 def length(value: float, agreement: Agreement) -> str:
     """A share of the size with the length that it is behind it, where there is one: '5.6e-06 (5.63 µm)'."""
     in_metres = metres(value, agreement)
@@ -39,15 +51,12 @@ def listed(names: Sequence[str]) -> str:
     return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}" if names else ""
 
 
-def _called(agreement: Agreement, letter: str, titles: Mapping[str, str]) -> str:
-    """The engines of a camp, each once, with the track where only one of its tracks stands there."""
-    members = agreement.members(letter)
+def called(sides: Sequence[tuple[str, str]], agreement: Agreement, titles: Mapping[str, str]) -> str:
+    """'Bullet (default) and DART': engines, each once, with the track where only one of its tracks is meant."""
     tracks: dict[str, list[str]] = {}
-    for side in members:
-        tracks.setdefault(side.engine, []).append(side.track)
-    every: dict[str, set[str]] = {}
-    for side in agreement.sides:
-        every.setdefault(side.engine, set()).add(side.track)
+    for engine, track in sides:
+        tracks.setdefault(engine, []).append(track)
+    every = {engine: {side.track for side in agreement.sides if side.engine == engine} for engine in tracks}
     return listed(
         [
             titles.get(engine, engine) + ("" if set(mine) == every[engine] else f" ({listed(mine)})")
@@ -56,7 +65,12 @@ def _called(agreement: Agreement, letter: str, titles: Mapping[str, str]) -> str
     )
 
 
-def _up_to(agreement: Agreement, time: float) -> str:
+def _camp(agreement: Agreement, letter: str, titles: Mapping[str, str]) -> str:
+    return called([(side.engine, side.track) for side in agreement.members(letter)], agreement, titles)
+
+
+def up_to(agreement: Agreement, time: float) -> str:
+    """'up to 0.3 s'."""
     return "to the end" if time >= 0.999 * agreement.duration else f"up to {time:.3g} s"
 
 
@@ -64,7 +78,7 @@ def headline(agreement: Agreement, titles: Mapping[str, str]) -> str:
     """What is known of the scene, in one sentence."""
     if agreement.agreed:
         voters = [titles.get(side.engine, side.engine) for side in agreement.members(agreement.agreed) if side.votes]
-        bar, until = agreement.bar or 0.0, _up_to(agreement, agreement.until)
+        bar, until = agreement.bar or 0.0, up_to(agreement, agreement.until)
         in_metres = metres(bar, agreement)
         known = f"{share(bar)} of the size of what moves{f' ({in_metres})' if in_metres else ''}"
         return f"{listed(voters)} agree on one limit {until}, known to {known}."
@@ -78,8 +92,10 @@ def headline(agreement: Agreement, titles: Mapping[str, str]) -> str:
         )
     if not agreement.camps:
         return "No limit is agreed: no engine's answers draw together as its time step shrinks."
-    camps = "; ".join(f"{letter}: {_called(agreement, letter, titles)}" for letter in agreement.camps)
-    return f"No limit is agreed. {'Camps' if len(agreement.camps) > 1 else 'There is one camp'}: {camps}."
+    camps = "; ".join(f"{letter}: {_camp(agreement, letter, titles)}" for letter in agreement.camps)
+    begins = min((gap.since for gap in agreement.differences), default=0.0)
+    since = f" from {begins:.3g} s on" if begins > AT_START * agreement.duration else ""
+    return f"No limit is agreed{since}. {'Camps' if len(agreement.camps) > 1 else 'There is one camp'}: {camps}."
 
 
 def side_words(side: Side, agreement: Agreement) -> str:
@@ -89,7 +105,7 @@ def side_words(side: Side, agreement: Agreement) -> str:
     if side.word in ("cannot", "diverged", "does not converge"):
         return f"{side.word} ({side.why})" if side.why else side.word
     compared = min(side.limit.seen_until, agreement.until) if agreement.agreed else side.limit.until
-    until = "" if compared >= 0.999 * agreement.duration else f", {_up_to(agreement, compared)}"
+    until = "" if compared >= 0.999 * agreement.duration else f", {up_to(agreement, compared)}"
     until += f"; {side.why}" if side.why else ""
     if side.word == "converges elsewhere":
         since = "" if side.since is None else f" since {side.since:.3g} s"
@@ -99,13 +115,24 @@ def side_words(side: Side, agreement: Agreement) -> str:
     return f"{side.word} ({order}{until}; known to {length(bar, agreement)}{camp})"
 
 
+def cut_words(agreement: Agreement, titles: Mapping[str, str]) -> list[str]:
+    """On whom time ended before all steps were run: one sentence, or none."""
+    sides = [(side.engine, side.track) for side in agreement.cut_short]
+    who = called(sides, agreement, titles)
+    return (
+        [f"Time ended before all steps were run on {who}: smaller ones may change the verdict on them (--budget)."]
+        if who
+        else []
+    )
+
+
 STILL = "Nothing moves in it, so that engines have little to differ in"
 JOINTED = ": --scenario swing or sweep moves a robot's joints"
 
 
 def scene_words(agreement: Agreement, titles: Mapping[str, str]) -> list[str]:
     """The headline, whether nothing moves, and the differences between camps."""
-    lines = [headline(agreement, titles)]
+    lines = [headline(agreement, titles), *cut_words(agreement, titles)]
     if agreement.still and not agreement.moving:
         jointed = agreement.scene is not None and bool(agreement.scene.joints)
         lines.append(f"{STILL}{JOINTED if jointed else ''}.")
@@ -113,8 +140,9 @@ def scene_words(agreement: Agreement, titles: Mapping[str, str]) -> list[str]:
         movers = list(dict.fromkeys(f"{titles.get(side.engine, side.engine)} ({side.track})" for side in agreement.moving))
         lines.append(f"In that limit nothing moves; it does on {listed(movers)}.")
     for gap in agreement.differences:
-        if not agreement.agreed or agreement.agreed in (gap.one, gap.other):
-            here, there = (_called(agreement, letter, titles) for letter in (gap.one, gap.other))
+        apart = [side for side in (*agreement.members(gap.one), *agreement.members(gap.other)) if side.word != "agrees"]
+        if not agreement.agreed or (agreement.agreed in (gap.one, gap.other) and apart):
+            here, there = (_camp(agreement, letter, titles) for letter in (gap.one, gap.other))
             lines.append(
                 f"Camp {gap.one} ({here}) and camp {gap.other} ({there}) part at {gap.since:.3g} s; up to {gap.time:.3g} "
                 f"s they come to lie {length(gap.distance, agreement)} apart, most at '{gap.body}'."

@@ -46,17 +46,9 @@ def replayed(
             raise RobotError(
                 f"{log.source}: joint {quoted(name, 80)} has a drive and no column{near_miss(name, list(columns))}"
             )
-    start = log.time[0]
-    if start:
-        tell(f"{log.source}: its first time, {start:.6g} s, is taken as the start")
-    last = log.time[-1] - start
-    if last < duration * (1 - 1e-9):
-        tell(f"{log.source}: ends at {last:.3g} s of {duration:.3g} s; its last values are held from there on")
-    held = "joined by straight lines" if joined else "held between samples"
-    tell(f"{log.source}: {', '.join(f'{name} ({quantity})' for name, quantity in columns.items())}; {held}")
+    time = timed(log, duration, joined=joined, tell=tell)
     if free := [name for name in joints if name not in columns]:
         tell(f"{log.source}: without a column, and without a drive: {', '.join(free)}")
-    time = tuple(t - start for t in log.time)
 
     def led(values: Sequence[float]) -> Samples:
         return Samples(time=time, target=tuple(values), held=None if joined else True)
@@ -81,6 +73,19 @@ def replayed(
     return replace(
         scene, joints=tuple(under(joint) if isinstance(joint, Revolute | Prismatic) else joint for joint in scene.joints)
     )
+
+
+def timed(log: Log, duration: float, *, joined: bool, tell: Callable[[str], object]) -> tuple[float, ...]:
+    """The times [s] of a log from its first on; tells what of them is assumed, and what is taken."""
+    start = log.time[0]
+    if start:
+        tell(f"{log.source}: its first time, {start:.6g} s, is taken as the start")
+    last = log.time[-1] - start
+    if last < duration * (1 - 1e-9):
+        tell(f"{log.source}: ends at {last:.3g} s of {duration:.3g} s; its last values are held from there on")
+    held = "joined by straight lines" if joined else "held between samples"
+    tell(f"{log.source}: {', '.join(f'{name} ({quantity})' for name, quantity in log.columns)}; {held}")
+    return tuple(t - start for t in log.time)
 
 
 def _with_gains(joint: Driven, quantity: Quantity, gains: Gains | None, source: str) -> Drive:

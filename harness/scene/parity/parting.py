@@ -1,16 +1,16 @@
 """Two robots under the same torques: the commands, and the first instant and joint at which the two part."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from plumbline.harness.intake.refusal import RobotError
+from plumbline.harness.intake.refusal import RobotError, listed
 from plumbline.harness.intake.safe_text import quoted
-from plumbline.harness.scene.importers.commands import read_log
+from plumbline.harness.scene.importers.commands import Log, read_log
 from plumbline.harness.scene.importers.poses import Array
-from plumbline.harness.scene.importers.replay import near_miss
+from plumbline.harness.scene.importers.replay import near_miss, timed
 from plumbline.harness.scene.parity.facts import RobotFacts
 from plumbline.harness.scene.parity.motion import Configuration, dynamics, first_rates
 
@@ -63,10 +63,12 @@ def motion_of(
     *,
     replay: bool = False,
     held: bool = False,
+    tell: Callable[[str], object] = str,
 ) -> Motion:
     """The motion by one of MOVES, or by a log with a column `time` [s] and one a joint [N m or N].
 
     Args: replay: the log says ':torque' of its columns, as in a run; else all are. held: between samples; else joined by lines.
+    tell: is told what is taken of a log and what is assumed.
 
     A sinusoid is as large as gravity's torque on the joint in the given configuration, no less than a hundredth of the weight
     at a metre and no more than half of the joint's effort; frequencies lie between 0.5 and 1 Hz, no two in the same ratio.
@@ -85,12 +87,17 @@ def motion_of(
                 size = min(max(float(weights[first]), least), bound)
                 torques[:, k] = size * np.sin(2 * np.pi * frequency * times)
     elif replay or name != "drop":
-        _fill(torques, times, Path(name), robot, moving=("torque",) if replay else ("position", "torque"), held=held)
+        log, moving = read_log(Path(name)), ("torque",) if replay else ("position", "torque")
+        stamps = timed(log, duration, joined=not held, tell=tell)
+        _fill(torques, times, log, np.array(stamps), robot, moving=moving, held=held)
+        if still := [joint.name for joint in robot.joints if not any(joint.name == name for name, _ in log.columns)]:
+            tell(f"{log.source}: without a column, and without a torque: {listed(still, 12)}")
     return Motion(gravity=gravity, start=at.q, torques=torques)
 
 
-def _fill(torques: Array, times: Array, path: Path, robot: RobotFacts, *, moving: tuple[str, ...], held: bool) -> None:
-    log = read_log(path)
+def _fill(
+    torques: Array, times: Array, log: Log, stamps: Array, robot: RobotFacts, *, moving: tuple[str, ...], held: bool
+) -> None:
     places = {joint.name: k for k, joint in enumerate(robot.joints) if joint.kind in _SCALAR}
     for (name, quantity), values in log.columns.items():
         if name not in places:
@@ -99,9 +106,9 @@ def _fill(torques: Array, times: Array, path: Path, robot: RobotFacts, *, moving
             column = quoted(name, 80)
             raise RobotError(f"{log.source}: column {column} is a {quantity}; torques move both, expected '{name}:torque'")
         if held:
-            torques[:, places[name]] = np.array(values)[np.clip(np.searchsorted(log.time, times, "right") - 1, 0, None)]
+            torques[:, places[name]] = np.array(values)[np.clip(np.searchsorted(stamps, times, "right") - 1, 0, None)]
         else:
-            torques[:, places[name]] = np.interp(times, log.time, values)
+            torques[:, places[name]] = np.interp(times, stamps, values)
 
 
 def parting(robot: RobotFacts, a: Array, b: Array) -> Parting:

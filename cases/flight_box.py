@@ -45,7 +45,6 @@ CASE = Case.of(
     question="Does a box that nothing touches fly its parabola and turn evenly about a principal axis?",
     source="x = v0 t + g t^2/2; Euler's equations about a principal axis: w constant",
     truth="closed form",
-    duration=DURATION,
     converges="smoothly",
     checks=(
         Check(

@@ -58,7 +58,6 @@ CASE = Case.of(
     question="Does a ball with backspin come back, and as fast as Coulomb's law says?",
     source="Meriam and Kraige, Engineering Mechanics: Dynamics, 7th ed., section 6/5: v = (5 v0 + 2 r w0)/7",
     truth="closed form",
-    duration=DURATION,
     headline=errors.velocity_error_max.name,
     converges="once",
     scale=SPEED,

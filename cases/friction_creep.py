@@ -55,7 +55,6 @@ CASE = Case.of(
     question="Does dry friction hold a box still, or is it a very thick oil?",
     source="Coulomb's law: at tan(angle) < mu a box at rest stays",
     truth="rest",
-    duration=DURATION,
     scale=1e-3,
     checks=(
         Check(

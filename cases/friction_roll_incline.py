@@ -75,7 +75,6 @@ CASE = Case.of(
     question="Do sphere, cylinder, shell and hoop go down an incline at their own accelerations, rolling or slipping?",
     source="Meriam and Kraige, Engineering Mechanics: Dynamics, 7th ed., section 6/5",
     truth="closed form",
-    duration=DURATION,
     converges="once",
     checks=(
         Check(

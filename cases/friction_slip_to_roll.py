@@ -68,7 +68,6 @@ CASE = Case.of(
     question="Does a ball thrown without spin begin to roll when and as fast as Coulomb's law says, whatever its inertia?",
     source="Landau, Lifshitz, Mechanics, 3rd ed., section 38; Meriam and Kraige, Dynamics, 7th ed., section 6/5",
     truth="closed form",
-    duration=DURATION,
     headline=errors.velocity_error_max.name,
     converges="once",
     scale=SPEED,

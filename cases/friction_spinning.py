@@ -75,7 +75,6 @@ CASE = Case.of(
     source="Farkas, Bartels, Unger, Wolf, Frictional coupling between sliding and spinning motion, Phys. Rev. Lett. 90 (2003) "
     "248302, for the disc; four feet by hand",
     truth="closed form",
-    duration=DURATION,
     converges="once",
     scale=SPIN,
     checks=(

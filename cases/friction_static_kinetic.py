@@ -109,7 +109,6 @@ CASE = Case.of(
     question="Does a drawn block break away at the static coefficient and slip under the kinetic one?",
     source="Rabinowicz, Friction and Wear of Materials, 2nd ed., section 4.10: stick-slip of a spring-drawn slider",
     truth="closed form",
-    duration=DURATION,
     converges="once",
     checks=(
         Check(

@@ -75,7 +75,6 @@ CASE = Case.of(
     question="At which angle does a box begin to slide, how fast does it slide beyond, and does it stay put below?",
     source="Meriam and Kraige, Engineering Mechanics: Statics, 7th ed., section 6/3",
     truth="closed form",
-    duration=DURATION,
     checks=(
         Check(
             statics.threshold_angle_error,

@@ -84,7 +84,6 @@ CASE = Case.of(
     question="Does a ball rolling on a turning table go round at 2/7 of the table's rate?",
     source="Weltner, Stable circular orbits of freely moving balls on rotating discs, Am. J. Phys. 47 (1979) 984",
     truth="closed form",
-    duration=DURATION,
     converges="once",
     scale=START,
     checks=(

@@ -68,7 +68,6 @@ CASE = Case.of(
     question="Does a push against a wall hold a box exactly where friction times push reaches its weight?",
     source="Meriam and Kraige, Engineering Mechanics: Statics, 7th ed., section 6/3",
     truth="closed form",
-    duration=DURATION,
     hard=Axis(parameter="push", unit="1", easy=2.0, extreme=2e4, lost=0.1),
     headline=errors.position_error_max.name,
     converges="once",

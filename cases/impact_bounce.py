@@ -108,7 +108,6 @@ CASE = Case.of(
     question="Does a ball come back with the restitution asked for, on time, until it rests, and never higher than before?",
     source="Stronge, Impact Mechanics, 2nd ed.",
     truth="closed form",
-    duration=DURATION,
     # Short hops need three samples to be seen.
     sample_interval=SAMPLE,
     checks=(

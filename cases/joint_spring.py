@@ -101,7 +101,6 @@ CASE = Case.of(
     question="Does a mass on a spring and damper move as its damping ratio says, below, at and above the critical one?",
     source="Meriam and Kraige, Engineering Mechanics: Dynamics, 7th ed., section 8/2",
     truth="closed form",
-    duration=DURATION,
     hard=Axis(parameter="rate", unit="rad/s", easy=6.0, extreme=6e4, lost=1.0),
     converges="smoothly",
     scale=STRETCH,

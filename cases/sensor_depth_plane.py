@@ -84,7 +84,6 @@ CASE = Case.of(
     question="Is the depth of a plane what its equation says at every pixel, from a camera that moves?",
     source="Hartley, Zisserman, Multiple View Geometry, 2nd ed., section 6.1: z = d / (n . K^-1 (u, v, 1))",
     truth="closed form",
-    duration=DURATION,
     sample_interval=0.1,
     # Steady motion is the same at every step; two steps show that the frames keep their times.
     ladder=(1 / 60, 1 / 240),

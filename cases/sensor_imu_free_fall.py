@@ -46,7 +46,6 @@ CASE = Case.of(
     question="Does a sensor that falls with its body feel no force, and turn as its body does?",
     source="Titterton, Weston, Strapdown Inertial Navigation Technology, 2nd ed., section 3.5: specific force is a - g",
     truth="closed form",
-    duration=DURATION,
     checks=(
         Check(
             accelerometer_ideal_error,

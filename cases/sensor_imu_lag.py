@@ -76,7 +76,6 @@ CASE = Case.of(
     question="Are readings of a shaken body late by their latency alone, plus half an interval where they are differences?",
     source="Knapp, Carter, The generalized correlation method for estimation of time delay (1976); centre of a difference",
     truth="closed form",
-    duration=DURATION,
     dt=1 / 240,
     ladder=(1 / 120, 1 / 240, 1 / 360, 1 / 480, 1 / 960),
     checks=(

@@ -90,7 +90,6 @@ CASE = Case.of(
     question="Are acceleration and turning right at a lever arm, and has the noise the Allan deviation of its law?",
     source="IEEE Std 952-1997, annex C; Titterton, Weston, Strapdown Inertial Navigation Technology, 2nd ed., chapter 11",
     truth="statistics",
-    duration=DURATION,
     sample_interval=0.1,
     dt=1 / 120,
     ladder=(1 / 120, 1 / 240, 1 / 360, 1 / 480, 1 / 720, 1 / 960),

@@ -8,15 +8,7 @@ from plumbline.harness.case import Case, Check, Parameters, Positive
 from plumbline.harness.case.bounds import SINGLE, G
 from plumbline.harness.case.forces import Control
 from plumbline.harness.metrics.readings import accelerometer_ideal_error, gyroscope_ideal_error, inertial_readout_error
-from plumbline.harness.scene import (
-    AxisNoise,
-    Body,
-    Imu,
-    ImuNoise,
-    Scene,
-    axis_angle,
-    sphere_inertia,
-)
+from plumbline.harness.scene import AxisNoise, Body, Imu, ImuNoise, Scene, axis_angle, sphere_inertia
 from plumbline.harness.trajectory import Floats, State, Trajectory
 from plumbline.harness.trajectory.kinematics import rotate_back
 
@@ -76,7 +68,6 @@ CASE = Case.of(
     question="Are readings the nearest levels, within their bounds, of a signal that is seen askew and out of scale?",
     source="IEEE Std 1293-2018; Widrow, Kollar, Quantization Noise (2008), section 1.1",
     truth="closed form",
-    duration=DURATION,
     checks=(
         Check(
             inertial_readout_error,

@@ -48,7 +48,6 @@ CASE = Case.of(
     question="Does a sensor on a box that stands still read gravity upwards in its own frame, and no turning?",
     source="Titterton, Weston, Strapdown Inertial Navigation Technology, 2nd ed., section 3.5: f = -R^T g",
     truth="rest",
-    duration=DURATION,
     checks=(
         Check(
             accelerometer_ideal_error,

@@ -81,7 +81,6 @@ CASE = Case.of(
     question="Does a sensor at a lever, mounted askew on a body that is spun up, feel centripetal and tangential force?",
     source="Goldstein, Classical Mechanics, 3rd ed., section 4.10: a = w' x r + w x (w x r); Titterton, Weston, section 11.3",
     truth="closed form",
-    duration=DURATION,
     checks=(
         Check(
             accelerometer_ideal_error,

@@ -53,7 +53,6 @@ CASE = Case.of(
     question="Do an engine's rays end on the faces of a convex hull and of a triangle mesh?",
     source="Kay, Kajiya, Ray tracing complex scenes (1986); Moeller, Trumbore, ray/triangle intersection (1997)",
     truth="closed form",
-    duration=DURATION,
     sample_interval=0.1,
     checks=(
         Check(

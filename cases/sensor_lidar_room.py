@@ -7,15 +7,7 @@ import numpy as np
 from plumbline.harness.case import Case, Check, NotNegative, Parameters
 from plumbline.harness.case.bounds import SINGLE
 from plumbline.harness.metrics import ranges, readings
-from plumbline.harness.scene import (
-    Body,
-    Box,
-    Lidar,
-    Quaternion,
-    Scene,
-    Vector3,
-    axis_angle,
-)
+from plumbline.harness.scene import Body, Box, Lidar, Quaternion, Scene, Vector3, axis_angle
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.trajectory.kinematics import product, rotate
 
@@ -135,7 +127,6 @@ CASE = Case.of(
     question="Do a moving range finder's beams end on the walls, fired at once or column by column while it turns?",
     source="Distance to a plane along a ray; motion distortion of spinning range finders",
     truth="closed form",
-    duration=DURATION,
     sample_interval=0.1,
     checks=(
         Check(

@@ -66,7 +66,6 @@ CASE = Case.of(
     question="Does a body that spins about a principal axis turn by w t, about each of the three?",
     source="Landau, Lifshitz, Mechanics, 3rd ed., section 36: about a principal axis w is constant",
     truth="closed form",
-    duration=DURATION,
     converges="smoothly",
     scale=SPIN * DURATION,
     checks=(

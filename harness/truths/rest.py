@@ -6,7 +6,6 @@ from typing import Any
 from plumbline.harness.scene import Scene
 from plumbline.harness.trajectory import Floats, Trajectory
 
-
 at_rest = Trajectory.at_rest
 
 

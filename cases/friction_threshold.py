@@ -58,9 +58,8 @@ def scene(p: P) -> Scene:
 def expected(time: Floats, p: P) -> Trajectory:
     """The closed form: at rest, or uniformly accelerated down the incline."""
     stage = scene(p)
-    truth = Trajectory.of(time, len(stage.bodies))
+    truth = Trajectory.at_rest(stage, time)
     for place, body in enumerate(stage.bodies):
-        truth.p_WB[:, place], truth.q_WB[:, place] = body.p_WB, body.q_WB
         if body.movable:
             a = _acceleration(p.steepness[place // 2], p.friction)
             down = rotate(body.q_WB, (1.0, 0.0, 0.0))

@@ -47,11 +47,9 @@ def scene(p: P) -> Scene:
 
 def expected(time: Floats, p: P) -> Trajectory:
     """Rest or uniform acceleration down the wall."""
-    truth = Trajectory.of(time, 1 + len(p.frictions))
-    truth.p_WB[:, 0, 0] = THICKNESS
+    truth = Trajectory.at_rest(scene(p), time)
     for i, mu in enumerate(p.frictions, start=1):
         a = max(0.0, G * (1 - mu * p.push))
-        truth.p_WB[:, i, 0], truth.p_WB[:, i, 1] = -HALF[0], SPACING * (i - 1)
         truth.p_WB[:, i, 2] = -a * truth.time**2 / 2
         truth.v_WB[:, i, 2] = -a * truth.time
     return truth

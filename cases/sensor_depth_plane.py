@@ -55,8 +55,7 @@ def expected(time: Floats, p: P) -> Trajectory:
     stage = scene(p)
     camera, plane, carrier = stage.sensors[0], stage.bodies[0], stage.bodies[1]
     assert isinstance(camera, DepthCamera)
-    truth = Trajectory.of(time, 2)
-    truth.p_WB[:], truth.q_WB[:] = [b.p_WB for b in stage.bodies], [b.q_WB for b in stage.bodies]
+    truth = Trajectory.at_rest(stage, time)
     truth.p_WB[:, 1, 0] += p.speed * truth.time
     truth.v_WB[:, 1, 0] = p.speed
     stamps = stamps_up_to(float(truth.time[-1]), RATE) if len(truth) else np.zeros(0)

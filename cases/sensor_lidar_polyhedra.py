@@ -3,11 +3,10 @@
 from plumbline.harness.case import Case, Check, Count, Parameters
 from plumbline.harness.case.bounds import SINGLE
 from plumbline.harness.metrics import ranges
-from plumbline.harness.scene import WORLD, Body, ConvexHull, Lidar, Quaternion, Scene, TriangleMesh, Vector3, axis_angle
+from plumbline.harness.scene import WORLD, Body, ConvexHull, Lidar, Scene, TriangleMesh, Vector3, axis_angle
 from plumbline.harness.sensors.true_views import seen
 
 DURATION, RATE = 0.2, 10.0
-UNTURNED: Quaternion = (1.0, 0.0, 0.0, 0.0)
 REACH = 8.0
 GRAZING = 0.01
 """No beam of the default pattern meets a face at a smaller cosine of incidence; a test holds this."""

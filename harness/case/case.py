@@ -246,9 +246,9 @@ class Case:
 
     @classmethod
     def of(cls, module: Mapping[str, Any], **fields: Any) -> Self:
-        """The case that a file is: its name, its parameters those of its class `P`, its duration the constant `DURATION` [s], and
-        its functions by their names, `scene`, `expected`, `control`, `retellings` and `rays`. Every state has to be finite,
-        whatever else is checked.
+        """The case that a file is: named like it, with the class `P` for its parameters, the constant `DURATION` [s], and the
+        functions `scene`, `expected`, `control`, `retellings` and `rays`, those of them that it has. Every state has to be
+        finite, whatever else is checked.
 
         Args: module: the file's `globals()`. fields: all else that a case states; the headline is the first check's metric, and
         contacts are recorded where a metric reads them, unless they say otherwise.

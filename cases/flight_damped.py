@@ -77,7 +77,6 @@ CASE = Case.of(
     question="Does linear drag bring a body to its terminal speed, and a spin to rest, at the rate that was asked for?",
     source="Meriam and Kraige, Engineering Mechanics: Dynamics, 7th ed., section 2/2, problem of linear drag",
     truth="closed form",
-    duration=DURATION,
     headline=errors.position_error_max.name,
     converges="smoothly",
     checks=(

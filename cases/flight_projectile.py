@@ -56,7 +56,6 @@ CASE = Case.of(
     question="Does a thrown body follow its parabola, to the order of the integrator and without hidden damping?",
     source="Galilei, Discorsi (1638); x = v0 t + g t^2/2",
     truth="closed form",
-    duration=DURATION,
     converges="smoothly",
     checks=(
         Check(

@@ -3,13 +3,12 @@
 v_f = (5 v0 + 2 r w0)/7 for a solid sphere, negative where the backspin wins.
 """
 
-import numpy as np
-
 from plumbline.harness.case import Case, Check, NotNegative, Parameters
 from plumbline.harness.case.bounds import G, forces_keep_momentum, forces_obey_coulomb
 from plumbline.harness.metrics import errors
 from plumbline.harness.scene import Body, Effect, Scene, Surface
 from plumbline.harness.trajectory import Floats, Trajectory
+from plumbline.harness.trajectory.kinematics import about
 from plumbline.harness.truths.rolling import rolling
 
 DURATION = 2.5
@@ -39,11 +38,10 @@ def scene(p: P) -> Scene:
 
 def expected(time: Floats, p: P) -> Trajectory:
     """Sliding against the ball's own spin, then rolling."""
-    truth = Trajectory.of(time, 2)
+    truth = Trajectory.at_rest(scene(p), time)
     way, v, turned, rim = rolling(truth.time, p.speed, p.spin * RADIUS, p.friction, SOLID, 0.0, G)
-    truth.p_WB[:, 1, 0], truth.p_WB[:, 1, 2] = way, RADIUS
+    truth.p_WB[:, 1, 0], truth.q_WB[:, 1] = way, about(1, turned / RADIUS)
     truth.v_WB[:, 1, 0], truth.w_WB[:, 1, 1] = v, rim / RADIUS
-    truth.q_WB[:, 1, 0], truth.q_WB[:, 1, 2] = np.cos(turned / RADIUS / 2), np.sin(turned / RADIUS / 2)
     return truth
 
 
@@ -58,7 +56,6 @@ CASE = Case.of(
     question="Does a ball with backspin come back, and as fast as Coulomb's law says?",
     source="Meriam and Kraige, Engineering Mechanics: Dynamics, 7th ed., section 6/5: v = (5 v0 + 2 r w0)/7",
     truth="closed form",
-    duration=DURATION,
     headline=errors.velocity_error_max.name,
     converges="once",
     scale=SPEED,

@@ -42,9 +42,7 @@ def expected(time: Floats, p: P) -> Trajectory:
     """
     if math.tan(math.radians(p.angle)) > p.friction:
         raise ValueError(f"angle {p.angle} degrees, expected at most atan({p.friction}): the box slides")
-    truth = Trajectory.of(time, 2)
-    truth.p_WB[:, 1] = (0.0, 0.0, HALF[2])
-    return truth
+    return Trajectory.at_rest(scene(p), time)
 
 
 FIRST_STEP = "a first step may pass before there is a contact to hold the box: g sin(angle) dt^2, twice for a staggered scheme"
@@ -55,7 +53,6 @@ CASE = Case.of(
     question="Does dry friction hold a box still, or is it a very thick oil?",
     source="Coulomb's law: at tan(angle) < mu a box at rest stays",
     truth="rest",
-    duration=DURATION,
     scale=1e-3,
     checks=(
         Check(

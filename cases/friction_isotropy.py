@@ -62,14 +62,12 @@ def scene(p: P) -> Scene:
 
 def expected(time: Floats, p: P) -> Trajectory:
     """The closed form: uniform deceleration along each push, then rest."""
-    truth = Trajectory.of(time, 1 + p.directions)
+    truth = Trajectory.at_rest(scene(p), time)
     sliding = np.minimum(truth.time, p.speed / (p.friction * G))
     way, rate = p.speed * sliding - p.friction * G * sliding**2 / 2, p.speed - p.friction * G * sliding
     for i, azimuth in enumerate(_azimuths(p.directions), start=1):
         push = (math.cos(azimuth), math.sin(azimuth))
-        truth.p_WB[:, i, :2] = np.outer(way, push)
-        truth.p_WB[:, i, 1] += _spacing(p.friction, p.speed) * (i - 1)
-        truth.p_WB[:, i, 2] = HALF[2]
+        truth.p_WB[:, i, :2] += np.outer(way, push)
         truth.v_WB[:, i, :2] = np.outer(rate, push)
     return truth
 

@@ -18,16 +18,7 @@ import numpy as np
 from plumbline.harness.case import Axis, Case, Check, Converged, NotNegative, Parameters
 from plumbline.harness.case.bounds import G, forces_keep_momentum, forces_obey_coulomb
 from plumbline.harness.metrics import conservation, contacts, errors, slide
-from plumbline.harness.scene import (
-    Body,
-    Capsule,
-    Effect,
-    PlacedShape,
-    Scene,
-    Sphere,
-    Surface,
-    principal_inertia,
-)
+from plumbline.harness.scene import Body, Capsule, Effect, PlacedShape, Scene, Sphere, Surface, principal_inertia
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.truths.first_order import FIRST_ORDER, first_order_motions, true_motion
 
@@ -141,7 +132,6 @@ CASE = Case.of(
     question="Does a rod that slides foot first follow Coulomb's law as long as that has a solution, and stay finite beyond?",
     source="Painleve, C. R. Acad. Sci. 121 (1895) 112; Genot, Brogliato, Eur. J. Mech. A/Solids 18 (1999) 653",
     truth="converged reference",
-    duration=DURATION,
     # Every step: the impulse of a blow lies in one of them.
     sample_interval=0.0,
     dt=1 / 960,

@@ -7,7 +7,6 @@ g (sin(angle) - mu cos(angle)) where not. The incline is level ground in a field
 import math
 from typing import Annotated
 
-import numpy as np
 from annotated_types import Interval
 
 from plumbline.harness.case import Case, Check, NotNegative, Parameters
@@ -15,6 +14,7 @@ from plumbline.harness.case.bounds import G, forces_obey_coulomb
 from plumbline.harness.metrics import errors
 from plumbline.harness.scene import Body, Effect, Scene, Surface, principal_inertia
 from plumbline.harness.trajectory import Floats, Trajectory
+from plumbline.harness.trajectory.kinematics import about
 from plumbline.harness.truths.rolling import rolling
 
 DURATION = 1.5
@@ -55,12 +55,12 @@ def scene(p: P) -> Scene:
 
 def expected(time: Floats, p: P) -> Trajectory:
     """Rolling or slipping from the start, at a constant acceleration."""
-    truth, lean = Trajectory.of(time, 1 + len(p.factors)), math.radians(p.angle)
+    truth, lean = Trajectory.at_rest(scene(p), time), math.radians(p.angle)
     for i, k in enumerate(p.factors, start=1):
         way, v, turned, rim = rolling(truth.time, 0.0, 0.0, p.friction, k, G * math.sin(lean), G * math.cos(lean))
-        truth.p_WB[:, i] = np.stack([way, np.full_like(way, SPACING * (i - 1)), np.full_like(way, RADIUS)], axis=1)
+        truth.p_WB[:, i, 0] = way
         truth.v_WB[:, i, 0], truth.w_WB[:, i, 1] = v, rim / RADIUS
-        truth.q_WB[:, i, 0], truth.q_WB[:, i, 2] = np.cos(turned / RADIUS / 2), np.sin(turned / RADIUS / 2)
+        truth.q_WB[:, i] = about(1, turned / RADIUS)
     return truth
 
 
@@ -75,7 +75,6 @@ CASE = Case.of(
     question="Do sphere, cylinder, shell and hoop go down an incline at their own accelerations, rolling or slipping?",
     source="Meriam and Kraige, Engineering Mechanics: Dynamics, 7th ed., section 6/5",
     truth="closed form",
-    duration=DURATION,
     converges="once",
     checks=(
         Check(

@@ -10,6 +10,7 @@ from plumbline.harness.case.bounds import G, forces_obey_coulomb
 from plumbline.harness.metrics import errors, jitter
 from plumbline.harness.scene import Body, Effect, Scene, Surface
 from plumbline.harness.trajectory import Floats, Trajectory
+from plumbline.harness.trajectory.kinematics import about
 
 DURATION = 4.0
 SPEED, FRICTION, RADIUS, MASS, SPACING = 1.0, 0.5, 0.1, 1.0, 1.0
@@ -62,15 +63,15 @@ def scene(p: P) -> Scene:
 
 def expected(time: Floats, p: P) -> Trajectory:
     """Uniform deceleration without slip, then rest."""
-    truth = Trajectory.of(time, 1 + len(p.coefficients))
+    truth = Trajectory.at_rest(scene(p), time)
     for i, c in enumerate(p.coefficients, start=1):
         a = deceleration(c)
         t = truth.time if a == 0 else np.minimum(truth.time, p.speed / a)
         way = p.speed * t - a * t**2 / 2
-        truth.p_WB[:, i] = np.stack([way, np.full_like(way, SPACING * (i - 1)), np.full_like(way, RADIUS)], axis=1)
+        truth.p_WB[:, i, 0] = way
         truth.v_WB[:, i, 0] = p.speed - a * t
         truth.w_WB[:, i, 1] = truth.v_WB[:, i, 0] / RADIUS
-        truth.q_WB[:, i, 0], truth.q_WB[:, i, 2] = np.cos(way / RADIUS / 2), np.sin(way / RADIUS / 2)
+        truth.q_WB[:, i] = about(1, way / RADIUS)
     return truth
 
 

@@ -3,13 +3,12 @@
 Slip ends at t = v0/(mu g (1 + 1/k)), for a solid sphere 2 v0/(7 mu g), and from then on v = v0/(1 + k), 5/7 v0.
 """
 
-import numpy as np
-
 from plumbline.harness.case import Case, Check, NotNegative, Parameters
 from plumbline.harness.case.bounds import G, forces_keep_momentum, forces_obey_coulomb
 from plumbline.harness.metrics import errors
 from plumbline.harness.scene import Body, Effect, Scene, Surface, principal_inertia
 from plumbline.harness.trajectory import Floats, Trajectory
+from plumbline.harness.trajectory.kinematics import about
 from plumbline.harness.truths.rolling import rolling
 
 DURATION = 2.0
@@ -48,12 +47,12 @@ def scene(p: P) -> Scene:
 
 def expected(time: Floats, p: P) -> Trajectory:
     """Sliding, then rolling."""
-    truth = Trajectory.of(time, 1 + len(p.factors))
+    truth = Trajectory.at_rest(scene(p), time)
     for i, k in enumerate(p.factors, start=1):
         way, v, turned, rim = rolling(truth.time, p.speed, 0.0, p.friction, k, 0.0, G)
-        truth.p_WB[:, i] = np.stack([way, np.full_like(way, SPACING * (i - 1)), np.full_like(way, RADIUS)], axis=1)
+        truth.p_WB[:, i, 0] = way
         truth.v_WB[:, i, 0], truth.w_WB[:, i, 1] = v, rim / RADIUS
-        truth.q_WB[:, i, 0], truth.q_WB[:, i, 2] = np.cos(turned / RADIUS / 2), np.sin(turned / RADIUS / 2)
+        truth.q_WB[:, i] = about(1, turned / RADIUS)
     return truth
 
 
@@ -68,7 +67,6 @@ CASE = Case.of(
     question="Does a ball thrown without spin begin to roll when and as fast as Coulomb's law says, whatever its inertia?",
     source="Landau, Lifshitz, Mechanics, 3rd ed., section 38; Meriam and Kraige, Dynamics, 7th ed., section 6/5",
     truth="closed form",
-    duration=DURATION,
     headline=errors.velocity_error_max.name,
     converges="once",
     scale=SPEED,

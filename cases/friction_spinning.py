@@ -12,6 +12,7 @@ from plumbline.harness.case.bounds import GIVE, G, forces_obey_coulomb
 from plumbline.harness.metrics import errors
 from plumbline.harness.scene import Body, Effect, PlacedShape, Scene, Sphere, Surface, cylinder_inertia
 from plumbline.harness.trajectory import Floats, Trajectory
+from plumbline.harness.trajectory.kinematics import about
 
 DURATION = 1.5
 SPIN, MASS = 10.0, 1.0
@@ -53,12 +54,11 @@ def deceleration(friction: float) -> float:
 
 def expected(time: Floats, p: P) -> Trajectory:
     """Uniform deceleration of the spin, then rest."""
-    truth = Trajectory.of(time, 2)
+    truth = Trajectory.at_rest(scene(p), time)
     a = deceleration(p.friction)
     t = truth.time if a == 0 else np.minimum(truth.time, abs(p.spin) / a)
     angle = np.sign(p.spin) * (abs(p.spin) * t - a * t**2 / 2)
-    truth.p_WB[:, 1, 2] = LOW + FOOT
-    truth.q_WB[:, 1, 0], truth.q_WB[:, 1, 3] = np.cos(angle / 2), np.sin(angle / 2)
+    truth.q_WB[:, 1] = about(2, angle)
     truth.w_WB[:, 1, 2] = np.sign(p.spin) * (abs(p.spin) - a * t)
     return truth
 
@@ -75,7 +75,6 @@ CASE = Case.of(
     source="Farkas, Bartels, Unger, Wolf, Frictional coupling between sliding and spinning motion, Phys. Rev. Lett. 90 (2003) "
     "248302, for the disc; four feet by hand",
     truth="closed form",
-    duration=DURATION,
     converges="once",
     scale=SPIN,
     checks=(

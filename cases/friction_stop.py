@@ -45,12 +45,10 @@ def scene(p: P) -> Scene:
 
 def expected(time: Floats, p: P) -> Trajectory:
     """The closed form: uniform deceleration, then rest."""
-    truth = Trajectory.of(time, 1 + len(p.frictions))
+    truth = Trajectory.at_rest(scene(p), time)
     for i, mu in enumerate(p.frictions, start=1):
         sliding = truth.time if mu == 0 else np.minimum(truth.time, p.speed / (mu * G))
         truth.p_WB[:, i, 0] = p.speed * sliding - mu * G * sliding**2 / 2
-        truth.p_WB[:, i, 1] = SPACING * (i - 1)
-        truth.p_WB[:, i, 2] = HALF[2]
         truth.v_WB[:, i, 0] = p.speed - mu * G * sliding
     return truth
 

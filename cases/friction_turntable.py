@@ -10,6 +10,7 @@ from plumbline.harness.case.bounds import forces_obey_coulomb
 from plumbline.harness.metrics.errors import position_error_final, position_error_max, radius_error_max, velocity_error_max
 from plumbline.harness.scene import Body, Box, Effect, PlacedShape, Scene, Surface
 from plumbline.harness.trajectory import Floats, Trajectory
+from plumbline.harness.trajectory.kinematics import about
 
 DURATION = 4.0
 RATE, START, FRICTION, RADIUS, MASS = 3.0, 0.5, 1.0, 0.05, 1.0
@@ -58,10 +59,8 @@ def scene(p: P) -> Scene:
 def expected(time: Floats, p: P) -> Trajectory:
     """The circle. The ball's attitude is not part of the truth: its spin turns with the circle and does not add up to an "
     "angle."""
-    truth = Trajectory.of(time, 2)
-    truth.p_WB[:, 0, 2] = -HALF[2]
-    truth.q_WB[:, 0, 0], truth.q_WB[:, 0, 3] = np.cos(p.rate * truth.time / 2), np.sin(p.rate * truth.time / 2)
-    truth.w_WB[:, 0, 2] = p.rate
+    truth = Trajectory.at_rest(scene(p), time)
+    truth.q_WB[:, 0], truth.w_WB[:, 0, 2] = about(2, p.rate * truth.time), p.rate
     truth.p_WB[:, 1], truth.v_WB[:, 1], truth.w_WB[:, 1] = _ball(truth.time, p.rate, p.start)
     return truth
 
@@ -84,7 +83,6 @@ CASE = Case.of(
     question="Does a ball rolling on a turning table go round at 2/7 of the table's rate?",
     source="Weltner, Stable circular orbits of freely moving balls on rotating discs, Am. J. Phys. 47 (1979) 984",
     truth="closed form",
-    duration=DURATION,
     converges="once",
     scale=START,
     checks=(

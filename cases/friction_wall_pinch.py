@@ -47,11 +47,9 @@ def scene(p: P) -> Scene:
 
 def expected(time: Floats, p: P) -> Trajectory:
     """Rest or uniform acceleration down the wall."""
-    truth = Trajectory.of(time, 1 + len(p.frictions))
-    truth.p_WB[:, 0, 0] = THICKNESS
+    truth = Trajectory.at_rest(scene(p), time)
     for i, mu in enumerate(p.frictions, start=1):
         a = max(0.0, G * (1 - mu * p.push))
-        truth.p_WB[:, i, 0], truth.p_WB[:, i, 1] = -HALF[0], SPACING * (i - 1)
         truth.p_WB[:, i, 2] = -a * truth.time**2 / 2
         truth.v_WB[:, i, 2] = -a * truth.time
     return truth
@@ -68,7 +66,6 @@ CASE = Case.of(
     question="Does a push against a wall hold a box exactly where friction times push reaches its weight?",
     source="Meriam and Kraige, Engineering Mechanics: Statics, 7th ed., section 6/3",
     truth="closed form",
-    duration=DURATION,
     hard=Axis(parameter="push", unit="1", easy=2.0, extreme=2e4, lost=0.1),
     headline=errors.position_error_max.name,
     converges="once",

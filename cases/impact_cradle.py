@@ -62,7 +62,6 @@ CASE = Case.of(
     question="Does one ball leave a row of balls with gaps, and do momentum and energy stay where the balls touch?",
     source="Herrmann, Schmaelzle, Am. J. Phys. 49 (1981) 761",
     truth="conservation",
-    duration=DURATION,
     sample_interval=1 / 240,
     # The ball must not cross a gap within a step: 0.5 m/s in 1/960 s is half of 1 mm.
     dt=1 / 960,

@@ -94,7 +94,6 @@ CASE = Case.of(
     question="Do momentum, angular momentum and energy of an elastic gas stay, impact after impact?",
     source="conservation of momentum, angular momentum and energy; kinetic theory",
     truth="conservation",
-    duration=DURATION,
     hard=Axis(parameter="speed", unit="m/s", easy=0.5, extreme=100.0, lost=0.1),
     sample_interval=1 / 60,
     ladder=(1 / 120, 1 / 240, 1 / 480, 1 / 960, 1 / 1920, 1 / 3840),

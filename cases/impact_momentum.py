@@ -54,7 +54,6 @@ CASE = Case.of(
     question="Do momentum and angular momentum stay when tumbling bodies hit and rub each other?",
     source="conservation of momentum and angular momentum (Goldstein, Classical Mechanics, 3rd ed., section 1.2)",
     truth="conservation",
-    duration=DURATION,
     # Slower cubes would not meet: to its aim a cube has at most sqrt(3) (AWAY + HALF) = 1.04 m to go, and eight aims within a
     # cube of edge 2 HALF leave no room for eight balls of radius HALF, which the cubes hold. Faster ones would skip each other
     # within a step of 1/60 s and never be seen to overlap.

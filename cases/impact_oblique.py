@@ -135,7 +135,6 @@ CASE = Case.of(
     question="Does a ball that meets rough ground askew grip or slip as one Coulomb impulse says, with the right spin?",
     source="Stronge, Impact Mechanics, 2nd ed., section 3.2; Maw, Barber, Fawcett, Wear 38 (1976) 101 (rigid limit)",
     truth="closed form",
-    duration=DURATION,
     sample_interval=0.0,
     checks=(
         Check(velocity_error_final, _bound(0), ARM),

@@ -95,7 +95,6 @@ CASE = Case.of(
     question="Do two balls of very different mass part as momentum and restitution say?",
     source="Newton, Principia, scholium to the laws of motion; Stronge, Impact Mechanics, 2nd ed., section 2.3",
     truth="closed form",
-    duration=DURATION,
     hard=Axis(parameter="ratio", unit="1", easy=1.0, extreme=1e6, lost=0.1),
     sample_interval=0.0,
     checks=(

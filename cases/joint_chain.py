@@ -139,7 +139,6 @@ CASE = Case.of(
     question="Does a hanging chain of n rods swing by Lagrange's equations, keep its energy and hold together?",
     source="Lagrange's equations of n rods (Goldstein, Classical Mechanics, chapter 1); SciPy DOP853 as reference",
     truth="converged reference",
-    duration=DURATION,
     hard=Axis(parameter="n", unit="1", easy=1, extreme=64, lost=0.1),
     converges="smoothly",
     checks=(

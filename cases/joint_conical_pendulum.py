@@ -77,7 +77,6 @@ CASE = Case.of(
     question="Does a pendulum on a ball joint keep going round on its circle?",
     source="Landau, Lifshitz, Mechanics, 3rd ed., section 14, problem 1: w^2 = g/(l cos(theta))",
     truth="closed form",
-    duration=DURATION,
     converges="smoothly",
     checks=(
         Check(

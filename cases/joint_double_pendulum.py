@@ -104,7 +104,6 @@ CASE = Case.of(
     question="Do two coupled rods follow Lagrange's equations while the motion is regular, and keep their energy?",
     source="Landau, Lifshitz, Mechanics, 3rd ed., section 5, problem 1, for rods; SciPy DOP853 as reference",
     truth="converged reference",
-    duration=DURATION,
     converges="smoothly",
     checks=(
         Check(errors.position_error_max, lambda dt, p: 2 * _first_order(p)[0] * dt, WHY),

@@ -158,7 +158,6 @@ CASE = Case.of(
     question="Does a chaotic motion follow its equations while it can, and keep its energy and its average when it cannot?",
     source="Shinbrot, Grebogi, Wisdom, Yorke, Am. J. Phys. 60 (1992) 491 (a chaotic double pendulum); SciPy DOP853",
     truth="converged reference",
-    duration=DURATION,
     dt=1 / 480,
     ladder=(1 / 240, 1 / 360, 1 / 480, 1 / 960, 1 / 1920, 1 / 3840),
     checks=(

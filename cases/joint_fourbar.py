@@ -118,7 +118,6 @@ CASE = Case.of(
     source="McCarthy, Soh, Geometric Design of Linkages, 2nd ed., section 2.4 (change point); the pendulum by elliptic "
     "functions",
     truth="closed form",
-    duration=DURATION,
     converges="smoothly",
     scale=CRANK,
     checks=(

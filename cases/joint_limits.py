@@ -83,7 +83,6 @@ CASE = Case.of(
     question="Does a stop end a swing where it stands, without bounce, and hold the weight afterwards?",
     source="Landau, Lifshitz, Mechanics, 3rd ed., section 11, problem 1, up to the stop; an inelastic stop by definition",
     truth="closed form",
-    duration=DURATION,
     sample_interval=1 / 240,
     checks=(
         Check(

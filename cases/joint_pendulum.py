@@ -98,7 +98,6 @@ CASE = Case.of(
     question="Does a pendulum keep its period and its energy, and does its hinge hold?",
     source="Landau, Lifshitz, Mechanics, 3rd ed., section 11, problem 1; Jacobi's elliptic functions",
     truth="closed form",
-    duration=DURATION,
     converges="smoothly",
     checks=(
         Check(

@@ -36,7 +36,6 @@ CASE = Case.of(
     question="Does what should rest, rest?",
     source="statics: each box in equilibrium under its weight and the forces of its neighbours",
     truth="rest",
-    duration=DURATION,
     # Every step: a jitter from step to step is invisible, or takes the look of a slow one, between samples further apart.
     sample_interval=0.0,
     checks=(

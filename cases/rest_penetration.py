@@ -36,7 +36,6 @@ CASE = Case.of(
     question="How deep does a body at rest sink into the ground, and does the ground bear just its weight?",
     source="statics: a rigid body on a rigid plane neither sinks nor moves; its support equals its weight",
     truth="rest",
-    duration=DURATION,
     # Every step: a body that sinks by its first step's fall is deepest then.
     sample_interval=0.0,
     steady=SETTLED,

@@ -104,7 +104,6 @@ CASE = Case.of(
     question="Have depths by stereo, structured light and time of flight the noise, steps and gaps of their principle?",
     source="Khoshelham, Elberink, Sensors 12 (2012) 1437; Gallup et al., CVPR 2008; Hansard et al., Time-of-Flight Cameras",
     truth="statistics",
-    duration=DURATION,
     sample_interval=0.1,
     # What is seen does not depend on the time step: one is enough.
     ladder=(1 / 240,),

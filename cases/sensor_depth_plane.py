@@ -55,8 +55,7 @@ def expected(time: Floats, p: P) -> Trajectory:
     stage = scene(p)
     camera, plane, carrier = stage.sensors[0], stage.bodies[0], stage.bodies[1]
     assert isinstance(camera, DepthCamera)
-    truth = Trajectory.of(time, 2)
-    truth.p_WB[:], truth.q_WB[:] = [b.p_WB for b in stage.bodies], [b.q_WB for b in stage.bodies]
+    truth = Trajectory.at_rest(stage, time)
     truth.p_WB[:, 1, 0] += p.speed * truth.time
     truth.v_WB[:, 1, 0] = p.speed
     stamps = stamps_up_to(float(truth.time[-1]), RATE) if len(truth) else np.zeros(0)
@@ -84,7 +83,6 @@ CASE = Case.of(
     question="Is the depth of a plane what its equation says at every pixel, from a camera that moves?",
     source="Hartley, Zisserman, Multiple View Geometry, 2nd ed., section 6.1: z = d / (n . K^-1 (u, v, 1))",
     truth="closed form",
-    duration=DURATION,
     sample_interval=0.1,
     # Steady motion is the same at every step; two steps show that the frames keep their times.
     ladder=(1 / 60, 1 / 240),

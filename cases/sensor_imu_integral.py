@@ -43,7 +43,6 @@ CASE = Case.of(
     question="Is the attitude of a body the integral of what a gyroscope on it reads?",
     source="Titterton, Weston, Strapdown Inertial Navigation Technology, 2nd ed., section 11.2; Goldstein, section 5.6",
     truth="conservation",
-    duration=DURATION,
     dt=1 / 240,
     sample_interval=1 / RATE,
     ladder=(1 / 120, 1 / 240, 1 / 360, 1 / 480, 1 / 960, 1 / 1920),

@@ -9,7 +9,7 @@ from plumbline.harness.case.forces import Control
 from plumbline.harness.metrics.readings import accelerometer_lag_error, gyroscope_lag_error, time_stamp_error
 from plumbline.harness.scene import Body, Imu, Scene, axis_angle, sphere_inertia
 from plumbline.harness.trajectory import Floats, State, Trajectory
-from plumbline.harness.trajectory.kinematics import rotate_back
+from plumbline.harness.trajectory.kinematics import about, rotate_back
 
 DURATION, RATE, LATENCY = 3.0, 60.0, 0.025
 FREQUENCY = 1.5
@@ -52,7 +52,7 @@ def expected(time: Floats, p: P) -> Trajectory:
     truth.v_WB[:, 0, 2] = PUSH * (1 - np.cos(pulse * t)) / pulse
     truth.p_WB[:, 0, 2] = PUSH * (t - np.sin(pulse * t) / pulse) / pulse
     angle = TURN * (1 - np.cos(pulse * t)) / pulse**2
-    truth.q_WB[:, 0, 0], truth.q_WB[:, 0, 3] = np.cos(angle / 2), np.sin(angle / 2)
+    truth.q_WB[:, 0] = about(2, angle)
     truth.w_WB[:, 0, 2] = TURN * np.sin(pulse * t) / pulse
     count = int(np.floor(float(t[-1]) * RATE + 1e-6)) if len(truth) else 0
     streams: dict[str, Floats] = {}
@@ -76,7 +76,6 @@ CASE = Case.of(
     question="Are readings of a shaken body late by their latency alone, plus half an interval where they are differences?",
     source="Knapp, Carter, The generalized correlation method for estimation of time delay (1976); centre of a difference",
     truth="closed form",
-    duration=DURATION,
     dt=1 / 240,
     ladder=(1 / 120, 1 / 240, 1 / 360, 1 / 480, 1 / 960),
     checks=(

@@ -10,7 +10,7 @@ from plumbline.harness.case.bounds import SINGLE
 from plumbline.harness.metrics import inertial_noise, readings
 from plumbline.harness.scene import AxisNoise, Body, Imu, ImuNoise, Scene, axis_angle
 from plumbline.harness.trajectory import Floats, Trajectory
-from plumbline.harness.trajectory.kinematics import rotate_back
+from plumbline.harness.trajectory.kinematics import about, rotate_back
 
 DURATION = 200.0
 RATE = 120.0
@@ -48,8 +48,7 @@ def expected(time: Floats, p: P) -> Trajectory:
     the size 2 w r sin(w T/2)/T and points to the axis from where S is in the middle of the interval.
     """
     truth = Trajectory.of(time, 1)
-    truth.q_WB[:, 0, 0], truth.q_WB[:, 0, 3] = np.cos(p.spin * truth.time / 2), np.sin(p.spin * truth.time / 2)
-    truth.w_WB[:, 0, 2] = p.spin
+    truth.q_WB[:, 0], truth.w_WB[:, 0, 2] = about(2, p.spin * truth.time), p.spin
     count = int(np.floor(float(truth.time[-1]) * RATE + 1e-6)) if len(truth) else 0
     inwards = -2.0 * p.spin * p.lever * np.sin(p.spin / (2 * RATE)) * RATE
     streams = {"imu/time": np.arange(1, count + 1) / RATE}
@@ -90,7 +89,6 @@ CASE = Case.of(
     question="Are acceleration and turning right at a lever arm, and has the noise the Allan deviation of its law?",
     source="IEEE Std 952-1997, annex C; Titterton, Weston, Strapdown Inertial Navigation Technology, 2nd ed., chapter 11",
     truth="statistics",
-    duration=DURATION,
     sample_interval=0.1,
     dt=1 / 120,
     ladder=(1 / 120, 1 / 240, 1 / 360, 1 / 480, 1 / 720, 1 / 960),

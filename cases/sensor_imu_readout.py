@@ -8,17 +8,9 @@ from plumbline.harness.case import Case, Check, Parameters, Positive
 from plumbline.harness.case.bounds import SINGLE, G
 from plumbline.harness.case.forces import Control
 from plumbline.harness.metrics.readings import accelerometer_ideal_error, gyroscope_ideal_error, inertial_readout_error
-from plumbline.harness.scene import (
-    AxisNoise,
-    Body,
-    Imu,
-    ImuNoise,
-    Scene,
-    axis_angle,
-    sphere_inertia,
-)
+from plumbline.harness.scene import AxisNoise, Body, Imu, ImuNoise, Scene, axis_angle, sphere_inertia
 from plumbline.harness.trajectory import Floats, State, Trajectory
-from plumbline.harness.trajectory.kinematics import rotate_back
+from plumbline.harness.trajectory.kinematics import about, rotate_back
 
 DURATION, RATE = 2.0, 60.0
 MASS, RADIUS = 2.0, 0.5
@@ -55,8 +47,7 @@ def control(p: P) -> Control:
 def expected(time: Floats, p: P) -> Trajectory:
     """The weight is felt along z, which is the axis of the spin as well: both signals stand still in S but for w = a t."""
     truth = Trajectory.of(time, 1)
-    angle = p.spin_up * truth.time**2 / 2
-    truth.q_WB[:, 0, 0], truth.q_WB[:, 0, 3] = np.cos(angle / 2), np.sin(angle / 2)
+    truth.q_WB[:, 0] = about(2, p.spin_up * truth.time**2 / 2)
     truth.w_WB[:, 0, 2] = p.spin_up * truth.time
     count = int(np.floor(float(truth.time[-1]) * RATE + 1e-6)) if len(truth) else 0
     late = np.arange(1, count + 1) / RATE
@@ -76,7 +67,6 @@ CASE = Case.of(
     question="Are readings the nearest levels, within their bounds, of a signal that is seen askew and out of scale?",
     source="IEEE Std 1293-2018; Widrow, Kollar, Quantization Noise (2008), section 1.1",
     truth="closed form",
-    duration=DURATION,
     checks=(
         Check(
             inertial_readout_error,

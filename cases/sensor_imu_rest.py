@@ -26,10 +26,9 @@ def scene(_: Parameters) -> Scene:
     return Scene(bodies=(Body.ground("default"), box), surfaces=(Surface(),), sensors=(imu,))
 
 
-def expected(time: Floats, _: Parameters) -> Trajectory:
+def expected(time: Floats, p: Parameters) -> Trajectory:
     """Rest, in which the sensor feels the ground's push g upwards."""
-    truth = Trajectory.of(time, 2)
-    truth.p_WB[:, 1, 2] = HALF
+    truth = Trajectory.at_rest(scene(p), time)
     count = int(np.floor(float(truth.time[-1]) * RATE + 1e-6)) if len(truth) else 0
     felt = rotate_back(np.array(MOUNTING), np.array([0.0, 0.0, G]))
     streams = {"imu/time": np.arange(1, count + 1) / RATE}
@@ -48,7 +47,6 @@ CASE = Case.of(
     question="Does a sensor on a box that stands still read gravity upwards in its own frame, and no turning?",
     source="Titterton, Weston, Strapdown Inertial Navigation Technology, 2nd ed., section 3.5: f = -R^T g",
     truth="rest",
-    duration=DURATION,
     checks=(
         Check(
             accelerometer_ideal_error,

@@ -91,7 +91,6 @@ CASE = Case.of(
     question="Do an engine's rays meet the primitives where geometry says, and has the noise laid over them its law?",
     source="Thrun, Burgard, Fox, Probabilistic Robotics, section 6.3; closed-form intersection of rays and primitives",
     truth="statistics",
-    duration=DURATION,
     sample_interval=0.1,
     checks=(
         Check(

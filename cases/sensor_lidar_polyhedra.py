@@ -3,11 +3,10 @@
 from plumbline.harness.case import Case, Check, Count, Parameters
 from plumbline.harness.case.bounds import SINGLE
 from plumbline.harness.metrics import ranges
-from plumbline.harness.scene import WORLD, Body, ConvexHull, Lidar, Quaternion, Scene, TriangleMesh, Vector3, axis_angle
+from plumbline.harness.scene import WORLD, Body, ConvexHull, Lidar, Scene, TriangleMesh, Vector3, axis_angle
 from plumbline.harness.sensors.true_views import seen
 
 DURATION, RATE = 0.2, 10.0
-UNTURNED: Quaternion = (1.0, 0.0, 0.0, 0.0)
 REACH = 8.0
 GRAZING = 0.01
 """No beam of the default pattern meets a face at a smaller cosine of incidence; a test holds this."""
@@ -53,7 +52,6 @@ CASE = Case.of(
     question="Do an engine's rays end on the faces of a convex hull and of a triangle mesh?",
     source="Kay, Kajiya, Ray tracing complex scenes (1986); Moeller, Trumbore, ray/triangle intersection (1997)",
     truth="closed form",
-    duration=DURATION,
     sample_interval=0.1,
     checks=(
         Check(

@@ -69,7 +69,6 @@ CASE = Case.of(
     question="Do an engine's rays end exactly on sphere, box, capsule, cylinder and plane, and on nothing beyond their reach?",
     source="Haines et al., Ray Tracing Gems (2019), chapter 7; Ericson, Real-Time Collision Detection, section 5.3",
     truth="closed form",
-    duration=DURATION,
     sample_interval=0.1,
     checks=(
         Check(

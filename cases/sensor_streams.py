@@ -61,7 +61,6 @@ CASE = Case.of(
     question="Is the noise of two sensors, of two channels and of two axes independent, and do readings come when they should?",
     source="Bartlett (1935); Welch (1967); Kolmogorov (1933); Pearson (1900)",
     truth="statistics",
-    duration=DURATION,
     sample_interval=1.0,
     dt=1 / 200,
     ladder=(1 / 200, 1 / 400, 1 / 600, 1 / 800),

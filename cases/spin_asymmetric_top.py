@@ -50,7 +50,6 @@ CASE = Case.of(
     question="Does a body with three different moments tumble as Euler's equations say, with angular momentum fixed in W?",
     source="Landau, Lifshitz, Mechanics, 3rd ed., section 37",
     truth="closed form",
-    duration=DURATION,
     converges="smoothly",
     checks=(
         Check(errors.attitude_error_max, _first_order(0), FIRST_ORDER),

@@ -51,7 +51,6 @@ CASE = Case.of(
     question="Up to what speed does a small body's rotation stay bounded?",
     source="Euler's equations: at a given L the energy lies between L^2/(2 I3) and L^2/(2 I1)",
     truth="closed form",
-    duration=DURATION,
     hard=Axis(parameter="speed", unit="rad/s", easy=10.0, extreme=10000.0, lost=0.1),
     sample_interval=1 / 240,
     headline=conservation.angular_momentum_drift_max.name,

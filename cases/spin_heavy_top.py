@@ -97,7 +97,6 @@ CASE = Case.of(
     question="Does a fast top on a ball joint precess at the rate that gravity's torque asks for, without falling?",
     source="Goldstein, Classical Mechanics, 3rd ed., section 5.7: I1 cos(theta) W^2 - I3 w3 W + m g l = 0",
     truth="closed form",
-    duration=DURATION,
     # From its tilt of 30 degrees a top that has fallen lies 2 sin(30 deg) = 1 stem away; what it errs by before that is shown.
     hard=Axis(parameter="spin", unit="rad/s", easy=100.0, extreme=5000.0, lost=1.0),
     sample_interval=1 / 240,

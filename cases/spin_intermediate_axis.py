@@ -74,7 +74,6 @@ CASE = Case.of(
     source="Landau, Lifshitz, Mechanics, 3rd ed., section 37; Poinsot (1834); Ashbaugh, Chicone, Cushman, The Twisting Tennis "
     "Racket (1991)",
     truth="closed form",
-    duration=DURATION,
     sample_interval=1 / 60,
     headline=flip_period_error.name,
     converges="smoothly",

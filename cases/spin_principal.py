@@ -8,6 +8,7 @@ from plumbline.harness.metrics import conservation, errors
 from plumbline.harness.scene import Body, Effect, Scene, box_inertia
 from plumbline.harness.scene.values import Vector3
 from plumbline.harness.trajectory import Floats, Trajectory
+from plumbline.harness.trajectory.kinematics import about
 
 DURATION = 1.0
 SPIN = 10.0
@@ -40,11 +41,9 @@ def scene(p: P) -> Scene:
 
 def expected(time: Floats, p: P) -> Trajectory:
     """The angle is w t, whatever the moments."""
-    truth = Trajectory.of(time, 3)
+    truth = Trajectory.at_rest(scene(p), time)
     for k in range(3):
-        truth.p_WB[:, k, 1] = k - 1.0
-        truth.q_WB[:, k, 0], truth.q_WB[:, k, 1 + k] = np.cos(p.spin * truth.time / 2), np.sin(p.spin * truth.time / 2)
-        truth.w_WB[:, k, k] = p.spin
+        truth.q_WB[:, k], truth.w_WB[:, k, k] = about(k, p.spin * truth.time), p.spin
     return truth
 
 
@@ -66,7 +65,6 @@ CASE = Case.of(
     question="Does a body that spins about a principal axis turn by w t, about each of the three?",
     source="Landau, Lifshitz, Mechanics, 3rd ed., section 36: about a principal axis w is constant",
     truth="closed form",
-    duration=DURATION,
     converges="smoothly",
     scale=SPIN * DURATION,
     checks=(

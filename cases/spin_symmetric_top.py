@@ -64,7 +64,6 @@ CASE = Case.of(
     question="Does a torque-free axisymmetric body precess about its angular momentum at the rate L/I?",
     source="Kane, Likins, Levinson, Spacecraft Dynamics (1983), section 3.1",
     truth="closed form",
-    duration=DURATION,
     converges="smoothly",
     checks=(
         Check(errors.attitude_error_max, _first_order(0), FIRST_ORDER),

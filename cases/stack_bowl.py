@@ -175,7 +175,6 @@ CASE = Case.of(
     question="Do nuts and bolts in a bowl come to rest and stay so, and does a nut stay on the post that it was put over?",
     source="dissipation: friction and inelastic impacts take what motion there is; topology: a ring leaves a post over its end",
     truth="conservation",
-    duration=DURATION,
     ladder=(1 / 120, 1 / 240, 1 / 480, 1 / 960),
     sample_interval=1 / 20,
     checks=(

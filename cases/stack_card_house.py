@@ -57,7 +57,6 @@ CASE = Case.of(
     question="Does a house of two cards stand with a tenth more friction than it needs, and fall with a tenth less?",
     source="Beer, Johnston, Vector Mechanics: Statics, 12th ed., sections 6.3 and 8.1",
     truth="closed form",
-    duration=DURATION,
     with_contacts=True,
     hard=Axis(parameter="margin", unit="1", easy=0.5, extreme=0.01, lost=0.99 * DURATION),
     checks=(

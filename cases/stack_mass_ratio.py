@@ -40,7 +40,6 @@ CASE = Case.of(
     question="Does a light box bear one that is a thousand times heavier, and bear it still?",
     source="statics: the ground bears both weights, the light box the heavy one's; nothing moves, whatever the ratio",
     truth="rest",
-    duration=DURATION,
     steady=SETTLED,
     hard=Axis(parameter="ratio", unit="1", easy=1, extreme=1e6),
     checks=(

@@ -53,7 +53,6 @@ CASE = Case.of(
     question="How far beyond the edge of a table can n bricks reach before they fall?",
     source="Hall, Fun with Stacking Blocks, Am. J. Phys. 73 (2005) 1107",
     truth="closed form",
-    duration=DURATION,
     with_contacts=True,
     hard=Axis(parameter="n", unit="1", easy=1, extreme=30),
     checks=(

@@ -44,7 +44,6 @@ CASE = Case.of(
     question="Do two boxes that start a quarter inside each other part quietly, and come to rest one on the other?",
     source="definition: an overlap holds no energy, so that none is left when it is gone",
     truth="rest",
-    duration=DURATION,
     with_contacts=True,
     hard=Axis(parameter="overlap", unit="1", easy=0.0, extreme=0.45, lost=1.0),
     checks=(

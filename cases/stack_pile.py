@@ -65,7 +65,6 @@ CASE = Case.of(
     question="Do n balls packed in a container stay in it and apart from each other, come to rest, and at what price?",
     source="statics of the face-centred cubic packing: each ball in the hollow of four others, held together by the walls",
     truth="rest",
-    duration=DURATION,
     sample_interval=1 / 20,
     ladder=(1 / 60, 1 / 120, 1 / 240, 1 / 360, 1 / 480, 1 / 960),
     steady=SETTLED,

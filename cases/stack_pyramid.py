@@ -11,13 +11,7 @@ from collections.abc import Iterator
 from plumbline.harness.case import Axis, Case, Check, FloatCount, NotNegative, Parameters
 from plumbline.harness.case.bounds import GIVE, G, settled_speed, stands, supported
 from plumbline.harness.metrics import contacts, jitter, stack
-from plumbline.harness.scene import (
-    Body,
-    Effect,
-    Plane,
-    Scene,
-    Surface,
-)
+from plumbline.harness.scene import Body, Effect, Plane, Scene, Surface
 from plumbline.harness.truths.rest import resting
 
 MASS = 1.0
@@ -97,7 +91,6 @@ CASE = Case.of(
     question="Do a pyramid of bricks and one of balls, upside down in a hollow, stay as they are built?",
     source="statics: each brick on the two below, each ball in the hollow of four others or of the walls, in equilibrium",
     truth="rest",
-    duration=DURATION,
     steady=SETTLED,
     hard=Axis(parameter="rows", unit="1", easy=1, extreme=10),
     checks=(

@@ -33,7 +33,6 @@ CASE = Case.of(
     question="Does a small tower stand for ten minutes without creeping away, sinking in or coming to life?",
     source="statics: nothing moves, however long one looks",
     truth="rest",
-    duration=DURATION,
     sample_interval=0.5,
     # Ten minutes at the finer steps of other cases would cost more than all of those together.
     ladder=(1 / 30, 1 / 40, 1 / 60, 1 / 90, 1 / 120, 1 / 240),

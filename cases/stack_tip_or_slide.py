@@ -63,7 +63,6 @@ CASE = Case.of(
     question="Does a tall box on an incline tip, slide or hold where it should?",
     source="Meriam and Kraige, Engineering Mechanics: Statics, 7th ed., section 6/3",
     truth="closed form",
-    duration=DURATION,
     checks=(
         Check(
             tipping_angle_error,

@@ -33,7 +33,6 @@ CASE = Case.of(
     question="Does a tower of n boxes stand, keep its height, come to rest and bear n weights on the ground?",
     source="statics: box k bears the weight of the n - k above it; the ground bears n m g",
     truth="rest",
-    duration=DURATION,
     steady=STEADY,
     hard=Axis(parameter="n", unit="1", easy=1, extreme=30),
     checks=(

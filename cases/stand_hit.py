@@ -109,7 +109,6 @@ CASE = Case.of(
     question="Do momentum and angular momentum stay when a ball hits a floating robot whose drives hold its pose?",
     source="conservation of momentum and angular momentum (Goldstein, Classical Mechanics, 3rd ed., section 1.2)",
     truth="conservation",
-    duration=DURATION,
     # A faster ball would be past the trunk within a step of 1/60 s.
     hard=Axis(parameter="speed", unit="m/s", easy=0.3, extreme=12.0, lost=0.1),
     sample_interval=1 / 240,

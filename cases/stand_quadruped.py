@@ -43,7 +43,6 @@ CASE = Case.of(
     question="Do quadrupeds on PD drives stand still, bear their weight on their feet, and neither slip nor sag?",
     source="statics: drives whose targets make up for the weight; each part of a machine in equilibrium",
     truth="rest",
-    duration=DURATION,
     # Every step: a tremble from step to step is invisible, or takes the look of a slow one, between samples further apart.
     sample_interval=0.0,
     steady=STEADY,

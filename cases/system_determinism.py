@@ -55,7 +55,6 @@ CASE = Case.of(
     question="Does the same scene give the same bits, run again and taken up again from a saved state in mid-contact?",
     source="definition: arithmetic of IEEE 754 is a function of its operands and their order",
     truth="conservation",
-    duration=DURATION,
     # Every step, to name the first that differs.
     sample_interval=0.0,
     ladder=(1 / 60, 1 / 90, 1 / 120, 1 / 240, 1 / 480, 1 / 960),

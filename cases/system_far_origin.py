@@ -31,7 +31,6 @@ CASE = Case.of(
     question="Is a motion the same a thousand kilometres away, to the digits that are left there?",
     source="Goldberg, ACM Computing Surveys 23 (1991) 5, section 1.2 (units in the last place)",
     truth="conservation",
-    duration=DURATION,
     hard=Axis(parameter="origin", unit="m", easy=1.0, extreme=1e7, lost=0.1),
     checks=(
         Check(

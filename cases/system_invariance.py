@@ -46,7 +46,6 @@ CASE = Case.of(
     question="Is a motion the same some metres away, in another direction, and seen from a moving frame?",
     source="Landau, Lifshitz, Mechanics, 3rd ed., section 3 (Galileo's relativity principle)",
     truth="conservation",
-    duration=DURATION,
     hard=Axis(parameter="speed", unit="m/s", easy=0.1, extreme=1000.0, lost=0.1),
     checks=(
         _check(POSITION_DIFFERENCE["moved"], "space is homogeneous"),

@@ -196,7 +196,6 @@ CASE = Case.of(
     question="What do facets in place of a round body cost in accuracy, and does an engine add to what geometry alone costs?",
     source="Rothbart, Cam Design Handbook, 2004; Ericson, Real-Time Collision Detection, section 9.5",
     truth="closed form",
-    duration=DURATION,
     sample_interval=1 / 240,
     checks=(
         Check(

@@ -97,7 +97,6 @@ CASE = Case.of(
     question="How small a difference at the start does an engine carry through to the outcome?",
     source="Landau, Lifshitz, Mechanics, 3rd ed., section 38 (rolling); Ott, Chaos in Dynamical Systems, 2nd ed., section 4.4",
     truth="closed form",
-    duration=DURATION,
     ladder=(1 / 60, 1 / 90, 1 / 120, 1 / 240, 1 / 480, 1 / 960),
     hard=Axis(parameter="nearest", unit="rad", easy=1e-4, extreme=1e-15),
     checks=(

@@ -37,7 +37,6 @@ CASE = Case.of(
     question="Does a thing of millimetres or kilometres move like one of metres, in its own units?",
     source="Barenblatt, Scaling (2003), chapter 1 (Froude's similarity)",
     truth="conservation",
-    duration=DURATION,
     hard=Axis(parameter="scale", unit="1", easy=1.0, extreme=1000.0, lost=0.1),
     checks=(
         Check(POSITION_DIFFERENCE["shrunk"], SINGLE, WHY),

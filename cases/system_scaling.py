@@ -116,7 +116,6 @@ CASE = Case.of(
     question="What does a step of n bodies cost while they are pushed about, and do they hold together?",
     source="Newton, Principia, law II, for the flight; the price is measured",
     truth="closed form",
-    duration=DURATION,
     steady=STEADY,
     hard=Axis(parameter="n", unit="1", easy=1, extreme=1000),
     headline=overlaps.inscribed_overlap.name,

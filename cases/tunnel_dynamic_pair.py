@@ -76,7 +76,6 @@ CASE = Case.of(
     question="With what probability do two fast spheres fly through each other, and how deep are others left?",
     source="Ericson, Real-Time Collision Detection, sections 2.4.3 and 5.5.5",
     truth="closed form",
-    duration=DURATION,
     hard=Axis(parameter="speed", unit="m/s", easy=1, extreme=500, lost=0.0),
     checks=(
         Check(

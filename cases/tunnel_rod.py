@@ -95,7 +95,6 @@ CASE = Case.of(
     question="With what probability does the end of a spinning rod get through a thin post, and how deep does it stick?",
     source="Ericson, Real-Time Collision Detection, sections 2.4.3 and 5.5.1; Mirtich, Impulse-based Dynamic Simulation (1996)",
     truth="closed form",
-    duration=DURATION,
     hard=Axis(parameter="spin", unit="rad/s", easy=2, extreme=500, lost=0.0),
     # Angles are followed through more than a turn: half a turn between two samples is the most.
     sample_interval=1 / 240,

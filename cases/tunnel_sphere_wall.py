@@ -77,7 +77,6 @@ CASE = Case.of(
     question="With what probability does a fast sphere get through a thin wall, and how deep is it left if it does not?",
     source="Ericson, Real-Time Collision Detection, section 2.4.3",
     truth="closed form",
-    duration=DURATION,
     hard=Axis(parameter="speed", unit="m/s", easy=1, extreme=500, lost=0.0),
     checks=(
         Check(

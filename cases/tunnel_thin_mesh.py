@@ -117,7 +117,6 @@ CASE = Case.of(
     question="Does a fast ball fall through a thin plate or mesh, and do inner edges kick a ball that slides over them?",
     source="Ericson, Real-Time Collision Detection, section 2.4.3; Bullet, btInternalEdgeUtility.h",
     truth="closed form",
-    duration=DURATION,
     hard=Axis(parameter="speed", unit="m/s", easy=1, extreme=300, lost=0.0),
     checks=(
         Check(

@@ -246,8 +246,9 @@ class Case:
 
     @classmethod
     def of(cls, module: Mapping[str, Any], **fields: Any) -> Self:
-        """The case that a file is: its name, its parameters those of its class `P`, and its functions by their names, `scene`,
-        `expected`, `control`, `retellings` and `rays`. Every state has to be finite, whatever else is checked.
+        """The case that a file is: named like it, with the class `P` for its parameters, the constant `DURATION` [s], and the
+        functions `scene`, `expected`, `control`, `retellings` and `rays`, those of them that it has. Every state has to be
+        finite, whatever else is checked.
 
         Args: module: the file's `globals()`. fields: all else that a case states; the headline is the first check's metric, and
         contacts are recorded where a metric reads them, unless they say otherwise.
@@ -256,6 +257,7 @@ class Case:
         metrics = (*(check.metric for check in checks), *fields.get("observe", ()))
         own = {name: module[name] for name in ("scene", "expected", "control", "retellings", "rays") if name in module}
         own |= {"name": module["__name__"].rpartition(".")[2], "parameters": module.get("P", Parameters)()}
+        own |= {"duration": module["DURATION"]} if "DURATION" in module else {}
         own |= {"headline": checks[0].metric.name, "with_contacts": any(metric.contacts for metric in metrics)}
         finite = Check(divergence, 0.0, "every number of every sampled state has to be finite")
         return cls(**{**own, **fields, "checks": (finite, *checks)})

@@ -1,1 +1,1 @@
-"""Metrics, one quantity one file, each a function below `@metric`."""
+"""Metrics, one subject one file, each a function below `@metric`."""

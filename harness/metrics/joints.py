@@ -1,19 +1,20 @@
-"""What joints give way by: gaps, stops, poses that drives hold.
-
-Joint gap: how far a joint's two anchors lie apart where the joint says that they must not.
-
-Overshoot of joint limits: how far a coordinate goes beyond the range that its joint allows.
-
-Pose error: how far the hinges of a machine are from where the truth has them.
-"""
+"""What joints give way by: gaps between their anchors, coordinates beyond their stops, poses that drives do not hold."""
 
 import numpy as np
 
 from plumbline.harness.metric import NotMeasurable, Run
 from plumbline.harness.metric.series import three
-from plumbline.harness.scene import Distance, Prismatic, Revolute
+from plumbline.harness.scene import Distance, Limits, Prismatic, Revolute
 from plumbline.harness.trajectory import Floats
 from plumbline.harness.trajectory.kinematics import across_axis, anchors, joint_coordinate
+
+
+def _beyond(limits: Limits, x: Floats) -> Floats:
+    """How far a coordinate goes beyond its range, (t,) rad or m, 0 within; what is not a number stays so."""
+    lower = -np.inf if limits.lower is None else limits.lower
+    upper = np.inf if limits.upper is None else limits.upper
+    excess: Floats = np.maximum(np.maximum(lower - x, x - upper), 0.0) + 0.0 * x
+    return excess
 
 
 def _gap(run: Run) -> Floats:
@@ -24,9 +25,7 @@ def _gap(run: Run) -> Floats:
         offset: Floats = np.linalg.norm(on_child - on_parent, axis=-1)
         if isinstance(joint, Distance):
             if joint.limits is not None:
-                lower = -np.inf if joint.limits.lower is None else joint.limits.lower
-                upper = np.inf if joint.limits.upper is None else joint.limits.upper
-                gaps.append(np.maximum(np.maximum(lower - offset, offset - upper), offset * 0.0))
+                gaps.append(_beyond(joint.limits, offset))
             elif joint.spring is None:
                 gaps.append(np.abs(offset - np.linalg.norm(np.subtract(joint.child_anchor_W, joint.anchor_W))))
         elif isinstance(joint, Prismatic):
@@ -48,11 +47,7 @@ def _overshoot(run: Run) -> Floats:
     overshoots: list[Floats] = []
     for joint in run.scene.joints:
         if isinstance(joint, Revolute | Prismatic | Distance) and joint.limits is not None:
-            x = joint_coordinate(run.scene, joint, run.actual)
-            lower = -np.inf if joint.limits.lower is None else joint.limits.lower
-            upper = np.inf if joint.limits.upper is None else joint.limits.upper
-            # Adding 0 x keeps what is not a number from hiding behind a maximum with 0.
-            overshoots.append(np.maximum(np.maximum(lower - x, x - upper), 0.0) + 0.0 * x)
+            overshoots.append(_beyond(joint.limits, joint_coordinate(run.scene, joint, run.actual)))
     if not overshoots:
         raise NotMeasurable("no joint of the scene has limits")
     return np.stack(overshoots, axis=1)

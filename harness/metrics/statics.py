@@ -29,6 +29,7 @@ Source: Hall, Fun with Stacking Blocks, Am. J. Phys. 73 (2005) 1107; Paterson, Z
 """
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Literal
 
@@ -39,6 +40,19 @@ from plumbline.harness.scene import Body, Box, Scene, Surface, rotate
 from plumbline.harness.trajectory.kinematics import rotate as rotate_along
 
 SOURCE = "Coulomb friction on an incline: slides iff tan(angle) > mu, then a = g (sin - mu cos)"
+
+
+def _threshold(stages: Iterable[tuple[float, bool]], most: float) -> float:
+    """The middle between the least stage that fails, `most` where none does, and the greatest below it that holds.
+
+    What holds beyond one that fails is no threshold: else wrong fates would make up for each other.
+
+    Args: stages: where each is, and whether it fails.
+    """
+    fates = list(stages)
+    failing = min([most, *(stage for stage, fails in fates if fails)])
+    return (max([0.0, *(stage for stage, fails in fates if not fails and stage < failing)]) + failing) / 2
+
 
 Slope = tuple[float, float, float, float]
 """Angle [rad], friction coefficient, acceleration in truth (negative: margin of sticking) and as measured [m/s2]."""
@@ -81,11 +95,9 @@ def threshold_angle_error(run: Run) -> float:
     # A box slides when it covers half the way that the incline nearest to the threshold makes: more than creep, and still less
     # than what any incline beyond a wrong threshold would show.
     least = min(abs(true) for _, _, true, _ in slopes) / 2
-    sliding = min([math.pi / 2, *(angle for angle, _, _, acceleration in slopes if acceleration > least)])
-    # What holds on a steeper incline than one that slides is no threshold: wrong fates would make up for each other.
-    sticking = max([0.0, *(angle for angle, _, _, acceleration in slopes if acceleration <= least and angle < sliding)])
+    threshold = _threshold(((angle, acceleration > least) for angle, _, _, acceleration in slopes), math.pi / 2)
     true_angle = math.atan(slopes[0][1])
-    return abs((sticking + sliding) / 2 - true_angle) / true_angle
+    return abs(threshold - true_angle) / true_angle
 
 
 @metric("1", SOURCE, empty="no incline is steep enough to slide")
@@ -158,11 +170,8 @@ def tipping_angle_error(run: Run) -> float:
         raise NotMeasurable("no incline is steep enough to tip a box")
     tips_at = tall[0].tips_at
     alike = [fate for fate in fates if fate.tips_at == tips_at and fate.true != "slides"]
-    tipped = min([math.pi / 2, *(math.atan(fate.slope) for fate in alike if fate.found == "tips")])
-    # What stays upright on a steeper incline than one that tips is no threshold: wrong fates would make up for each other.
-    slopes = [math.atan(fate.slope) for fate in alike if fate.found != "tips"]
-    upright = max([0.0, *(slope for slope in slopes if slope < tipped)])
-    return abs((upright + tipped) / 2 / math.atan(tips_at) - 1)
+    threshold = _threshold(((math.atan(fate.slope), fate.found == "tips") for fate in alike), math.pi / 2)
+    return abs(threshold / math.atan(tips_at) - 1)
 
 
 FRAMES_SOURCE = "statics of an A-frame: stands iff mu >= (tan a - c/l)/2"
@@ -260,16 +269,11 @@ def overhang_limit_error(run: Run) -> float:
     """Hall 2005; middle between the shortest overhang that falls and the longest below it that stands, over the limit, less
     1"""
     stacks = _stacks(run.scene)
-    # Where all stand the limit is taken for at least twice the longest; where all fall, for half of the shortest. What stands
-    # beyond the first that falls is no limit: else short ones that fall and long ones that stand would make up for each other.
-    stood, falling = [0.0], 2 * max(overhang for overhang, _ in stacks)
+    # Where all stand the limit is taken for at least twice the longest; where all fall, for half of the shortest.
+    fates = []
     for overhang, bricks in stacks:
         start = np.array([run.bodies[i].p_WB[2] for i in bricks])
         # A brick has fallen when it has sunk by its own half thickness: what tips over the edge below does.
         thick = np.array([_half_extents(run.bodies[i])[2] for i in bricks])
-        if np.any(start - run.actual.p_WB[-1, bricks, 2] > thick):
-            falling = min(falling, overhang)
-        else:
-            stood.append(overhang)
-    standing = max(overhang for overhang in stood if overhang < falling)
-    return abs((standing + falling) / 2 - 1)
+        fates.append((overhang, bool(np.any(start - run.actual.p_WB[-1, bricks, 2] > thick))))
+    return abs(_threshold(fates, 2 * max(overhang for overhang, _ in stacks)) - 1)

@@ -147,8 +147,8 @@ def pair_leads(prices: Sequence[Price], points: Sequence[Point]) -> list[Lead]:
         by_scene.setdefault((point.case, point.where), []).append(point)
     pairs = _pairs(prices)
     coarsest = [
-        Question(_coarsest(by_scene.get((case, where), ()), target, _engines(asked)), _engines(asked))
-        for (case, where, target), asked in pairs.items()
+        Question(_coarsest(by_scene.get((case, where), ()), target, _engines(offers)), _engines(offers))
+        for (case, where, target), offers in pairs.items()
     ]
     leads = []
     for at, questions in (("equal sub-step", coarsest), ("equal time", [*map(_cheapest, pairs.values())])):
@@ -160,7 +160,7 @@ def pair_leads(prices: Sequence[Price], points: Sequence[Point]) -> list[Lead]:
 
 def cheapest(prices: Sequence[Price]) -> list[Question]:
     """Which engine to deploy is cheapest? Of each pair of case and error that one of them reaches."""
-    questions = [_cheapest(asked).to_deploy for asked in _pairs(prices).values()]
+    questions = [_cheapest(offers).to_deploy for offers in _pairs(prices).values()]
     return [question for question in questions if question.extents]
 
 
@@ -171,14 +171,14 @@ def _pairs(prices: Sequence[Price]) -> Mapping[tuple[str, str, float], list[Pric
     return pairs
 
 
-def _cheapest(asked: Sequence[Price]) -> Question:
+def _cheapest(offers: Sequence[Price]) -> Question:
     """Of one pair; an upper bound says nothing of how little a cost may be."""
     costs = {
         price.engine: cheapness(price.cost, price.low, price.high, bound=price.verdict == "at most")
-        for price in asked
+        for price in offers
         if price.cost
     }
-    return Question(costs, _engines(asked))
+    return Question(costs, _engines(offers))
 
 
 def _coarsest(points: Iterable[Point], target: float, engines: Sequence[str]) -> dict[str, Extent]:

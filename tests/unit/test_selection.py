@@ -18,6 +18,7 @@ from plumbline.harness.store.store import Store
 from plumbline.harness.study.plugins import names
 from plumbline.reports.pages import index, select
 from tests.conftest import Command
+from tests.decided import decided
 from tests.run_folder import CASES, LADDER
 from tests.selection_folder import Made, write_selection_folder
 
@@ -359,6 +360,17 @@ def test_what_decides_is_carried_out_until_nothing_is_left_that_would(tmp_path: 
     # What is left moves less than LEAST each, to either side.
     last, all_ = ({place.engine: place.first for place in choose(Store(each), Wish()).rank.places} for each in (now, whole))
     assert last == pytest.approx(all_, abs=2 * LEAST)
+
+
+def test_a_run_of_one_step_knows_no_price_by_more_than_a_bound_and_says_who_is_first_all_the_same(tmp_path: Path) -> None:
+    engines = {"mujoco": GOOD, "dart": BAD}
+    single, several = (
+        decided(Store(write_selection_folder(tmp_path / name, engines, 0, steps=steps)))
+        for name, steps in (("single", (1 / 240,)), ("several", LADDER))
+    )
+    assert single[0] == 0 < several[0]
+    assert single[1] <= several[1]
+    assert single[2]["legged"][0] == several[2]["legged"][0] == "mujoco"
 
 
 def with_ladder(folder: Path, before: Path, whole: Path, case: str, engine: str) -> Path:

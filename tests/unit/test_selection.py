@@ -11,7 +11,7 @@ import pytest
 
 from plumbline.harness.findings.selection import Answer, PresetError, Wish, choose, preset_names, read_preset
 from plumbline.harness.findings.selection.choose import EXPRESSED
-from plumbline.harness.findings.selection.decide import LEAST
+from plumbline.harness.findings.selection.decide import LEAST, into
 from plumbline.harness.findings.selection.doubt import Turn
 from plumbline.harness.findings.selection.words import decisive, headline, trade, turn_sentences
 from plumbline.harness.store.store import Store
@@ -319,14 +319,16 @@ def test_what_would_decide_is_the_figure_whose_interval_moves_the_answer_most(tm
     found = choose(Store(folder), Wish(max_error=1e-2))
     assert found.decider is not None
     assert (found.decider.criterion, found.decider.engine, found.decider.case) == ("speed", "dart", "joint_chain")
-    folder_of_it = f"--out {tmp_path / 'run'} --resume=merge"
-    assert found.decider.command == f"plumbline run accuracy --engine dart --case joint_chain {folder_of_it}"
+    command = "plumbline run accuracy --engine dart --case joint_chain"
+    assert found.decider.command == command
     assert found.decider.runs == 1
-    sentence, command = decisive(found, str, str)
+    sentence, shown = decisive(found, str, str)
+    assert shown == command
     assert sentence.startswith("What would decide it: the speed of dart in “joint_chain”; ")
     assert " would be first in " in sentence
     assert "(1 run of it here took " in sentence
-    assert command == found.decider.command
+    (folder / "journal.jsonl").touch()
+    assert into(Store(folder)) == f" --out {folder} --resume=merge"
     certain = choose(Store(write_selection_folder(tmp_path / "far", {"mujoco": GOOD, "dart": BAD}, 0)), Wish())
     assert decisive(certain, str, str) == ("", "")
 

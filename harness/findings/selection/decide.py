@@ -7,6 +7,7 @@ can decide nothing there. `limits` halves brackets.
 """
 
 import math
+import shlex
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -30,7 +31,7 @@ STUDIES = {"speed": "accuracy", "limits": "limits"}
 class Decider:
     """criterion, case, engine: of the figure. low, high: between these the share of the first engine will lie once it is known.
     seconds: what this engine's runs of the case took in the folder, runs: how many they are. command: what measures it, into
-    the same folder."""
+    the same folder unless that is the one that ships with the package."""
 
     criterion: str
     case: str
@@ -56,7 +57,7 @@ def decider(store: Store, evidence: Evidence, samples: Resampled, wish: Wish) ->
         low, high = min(shares), max(shares)
         if (high - low) / 2 >= max(LEAST, best.moves if best is not None else 0.0):
             seconds, runs = _spent(store, case, engine)
-            command = f"plumbline run {STUDIES[criterion]} --engine {engine} --case {case} --out {store.folder} --resume=merge"
+            command = f"plumbline run {STUDIES[criterion]} --engine {engine} --case {case}{into(store)}"
             best = Decider(
                 criterion=criterion, case=case, engine=engine, low=low, high=high, seconds=seconds, runs=runs, command=command
             )
@@ -125,6 +126,11 @@ def _moved(samples: Resampled, c: int, e: int, values: Mapping[str, float]) -> F
         then[:, e] = min(max(value, 0.0), 1.0)
         scores += samples.share[:, k, c, None] * (then - samples.drawn[:, k, c, :])
     return scores
+
+
+def into(store: Store) -> str:
+    """The options that add runs to a folder, which has to have a journal for it."""
+    return f" --out {shlex.quote(str(store.folder))} --resume=merge" if (store.folder / "journal.jsonl").is_file() else ""
 
 
 def _spent(store: Store, case: str, engine: str) -> tuple[float, int]:

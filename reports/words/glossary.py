@@ -49,7 +49,7 @@ HOUSE_WORDS = {
     "companion": "companions?",
     "fidelity": "fidelity",
     "headline": "headlines?",
-    "scale": "(?:case's|its) scale",
+    "scale": "(?:case's|its)(?: own)? scale",
     "clocked": "clocked",
     "emulated": "emulated",
     "front": "fronts",
@@ -61,7 +61,7 @@ HOUSE_WORDS = {
     "truth": "truths?",
     "conformance": "conformance",
     "nominal time step": "nominal (?:time )?steps?",
-    "reference engine": "reference engine",
+    "reference engine": "(?<!Plumbline )reference engine",  # not in its name
 }
 """Entries whose word means something of its own here, and their forms: each page links the first of each to its entry."""
 WORD = re.compile(r"(?<![\w-])(?:" + "|".join(f"({form})" for form in HOUSE_WORDS.values()) + r")(?![\w-])", re.IGNORECASE)

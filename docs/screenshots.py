@@ -72,7 +72,8 @@ def main() -> None:
     asked = parser.parse_args()
     asked.out.mkdir(parents=True, exist_ok=True)
     found = next(
-        (path for name in ("chromium", "google-chrome") if (path := shutil.which(name))), os.environ.get("PLUMBLINE_CHROMIUM")
+        (path for name in ("chromium-headless-shell", "chromium", "google-chrome") if (path := shutil.which(name))),
+        os.environ.get("PLUMBLINE_CHROMIUM"),
     )
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=found, args=["--headless", "--no-sandbox", "--disable-gpu"])

@@ -34,6 +34,8 @@ def _cell(text: str) -> str:
 
 def page(main: click.Group) -> str:
     """The page in Markdown."""
+    from plumbline.reports.words.glossary import linked
+
     examples = tomllib.loads(_EXAMPLES.read_text(encoding="utf-8"))["group"]
     wide = max(len(command) for group in examples for command, _ in group["commands"])
     lines = [_HEAD, "## Examples\n"]
@@ -47,4 +49,4 @@ def page(main: click.Group) -> str:
         if len(records) > 1:
             rows = [f"| `{_cell(option)}` | {_cell(what)} |" for option, what in records if "--help" not in option]
             lines += ["| option | meaning |", "|---|---|", *rows, ""]
-    return "\n".join(lines).rstrip() + "\n"
+    return linked("\n".join(lines).rstrip() + "\n", "glossary.md")

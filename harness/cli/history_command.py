@@ -26,7 +26,7 @@ _SHOWN = 200
 @click.option("--dry-run", is_flag=True, help="Say what would go, and leave it.")
 @json_rows
 def history(address: str, prune: bool, older: float | None, keep_nights: int | None, dry_run: bool, as_json: bool) -> None:
-    """List the nights of the history DIR: machines, versions, what was recalled and computed, sizes."""
+    """List the nights of the history DIR: machines, versions, what was reused and computed, sizes."""
     from plumbline.harness.history.listing import COLUMNS, rows
 
     if not prune and (older is not None or keep_nights is not None or dry_run):

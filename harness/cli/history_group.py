@@ -87,7 +87,7 @@ def _rows(read: "Trends") -> list[dict[str, object]]:
 @click.option("--note", required=True, help="What there is to say of it: a cause, a ticket.")
 @click.option("--history", "address", required=True, metavar="DIR", help="The history that the change is of.")
 def ack(name: str, note: str, address: str) -> None:
-    """Write down that the change ID was seen: it is not told again."""
+    """Write down that the change ID was seen: it is not reported again."""
     from dataclasses import replace
 
     from plumbline.harness.history.identity import Named, acknowledge

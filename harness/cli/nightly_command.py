@@ -38,7 +38,8 @@ _LEAST = 10.0
 @click.option("--history", "address", metavar="DIR", help="Where it is kept: a folder, or what fsspec reaches.")
 @click.option("--budget", type=Seconds(10.0, 7 * 86400.0), metavar="T", help="Wall time for all of it: 30m, 2h [no end].")
 @click.option("--engine", "engines", multiple=True, help="Only this engine, or its ==VERSION or =WHEEL; may be repeated.")
-@click.option("--gate", "gated", multiple=True, metavar="ENGINE", help="Exit 1 where it is worse; may be repeated [ours].")
+@click.option("--gate", "gated", multiple=True, metavar="ENGINE",
+              help="Exit 1 where it is worse; may be repeated [the reference engine].")  # fmt: skip
 @click.option("--judged", "least", type=click.FloatRange(0.0, 1.0), default=0.0, metavar="SHARE",
               help="Exit 1 where less could be judged, of answers or prices of gated engines, like 0.9.")  # fmt: skip
 @click.option("--case", "globs", multiple=True, metavar="GLOB", help="Only cases of this pattern; may be repeated.")

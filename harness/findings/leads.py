@@ -1,25 +1,15 @@
-"""Who leads where engines are compared: at equal sub-steps and at equal time, with the reference engine and without it.
+"""Who leads at equal sub-steps and at equal time, with the reference engine and without it, by the rule of `standing`."""
 
-What an engine comes to is an interval: a limit lies between what held and what broke, a price in its error bar. An engine leads
-where no other's interval lies wholly beyond its own; engines whose intervals meet lead together, for their order is not known.
-"""
-
-import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from plumbline.harness.findings.cost_point import Point
 from plumbline.harness.findings.limits_found import CONSTANT, Hold, Search
 from plumbline.harness.findings.prices import Price
+from plumbline.harness.findings.standing import Extent, Question, cheapness, leaders, standing
 
 BUDGETS = (1e-4, 1e-3)
 """CPU seconds for one time step of a case that engines are compared at: a tenth of a millisecond, and a millisecond."""
-REFERENCE = "reference"
-"""The engine that leads are counted with and without."""
-EQUAL = 1e-9
-
-Extent = tuple[float, float]
-"""How far an engine certainly comes and how far it may: (0.4, 0.5) of an axis; (1/high, 1/low) of costs."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -68,12 +58,6 @@ class Lead:
     of: int
 
 
-def leaders(extents: Mapping[str, Extent]) -> frozenset[str]:
-    """The engines whose interval overlaps the best lower bound; empty if there are no engines."""
-    best = max((low for low, _ in extents.values()), default=0.0)
-    return frozenset(name for name, (low, high) in extents.items() if high > best + EQUAL or low >= best - EQUAL)
-
-
 def reaches(searches: Iterable[Search]) -> list[Reach]:
     """Every axis under every condition, engine by engine; axes that were not searched at equal sub-steps have times alone."""
     axes: dict[tuple[str, str, str], list[Search]] = {}
@@ -92,8 +76,8 @@ def reaches(searches: Iterable[Search]) -> list[Reach]:
     return reached
 
 
-def _engines(group: Sequence[Search]) -> list[str]:
-    return list(dict.fromkeys(search.engine for search in group))
+def _engines(group: Sequence[Search | Price]) -> list[str]:
+    return list(dict.fromkeys(row.engine for row in group))
 
 
 def _within(mine: Sequence[Search], budget: float) -> Reach:
@@ -126,14 +110,15 @@ def _reach(search: Search, at: str, condition: float, last: Sequence[Hold]) -> R
     )
 
 
-def _led(level: Sequence[Reach]) -> list[Reach]:
-    extents = {reach.engine: (reach.reach, reach.further) for reach in level if reach.held is not None}
-    first = leaders(extents)
-    others = leaders({name: extent for name, extent in extents.items() if name != REFERENCE})
-    return [
-        replace(reach, leads=reach.engine in first, leads_without=reach.engine in others and reach.engine != REFERENCE)
-        for reach in level
-    ]
+def _question(axis: Sequence[Reach]) -> Question:
+    extents = {reach.engine: (reach.reach, reach.further) for reach in axis if reach.held is not None}
+    return Question(extents, [reach.engine for reach in axis])
+
+
+def _led(axis: Sequence[Reach]) -> list[Reach]:
+    question = _question(axis)
+    first, others = leaders(question.extents), leaders(question.to_deploy.extents)
+    return [replace(reach, leads=reach.engine in first, leads_without=reach.engine in others) for reach in axis]
 
 
 def axis_leads(reached: Sequence[Reach]) -> list[Lead]:
@@ -143,23 +128,12 @@ def axis_leads(reached: Sequence[Reach]) -> list[Lead]:
         named = "dt" + (f"/{reach.parts}" if reach.parts > 1 else "") if reach.parts else f"{1e3 * reach.condition:g} ms a step"
         axes = conditions.setdefault((reach.at, named), {})
         axes.setdefault((reach.experiment, reach.case, reach.where), []).append(reach)
-    return [
-        lead
-        for (at, condition), axes in conditions.items()
-        for ours in (True, False)
-        for lead in _count(
-            "axes",
-            (at, condition),
-            ours,
-            [
-                (
-                    frozenset(reach.engine for reach in axis if (reach.leads if ours else reach.leads_without)),
-                    frozenset(reach.engine for reach in axis),
-                )
-                for axis in axes.values()
-            ],
-        )
-    ]
+    leads = []
+    for (at, condition), axes in conditions.items():
+        questions = [_question(axis) for axis in axes.values()]
+        leads += _leads("axes", at, condition, True, questions)
+        leads += _leads("axes", at, condition, False, [question.to_deploy for question in questions])
+    return leads
 
 
 def pair_leads(prices: Sequence[Price], points: Sequence[Point]) -> list[Lead]:
@@ -168,36 +142,46 @@ def pair_leads(prices: Sequence[Price], points: Sequence[Point]) -> list[Lead]:
     At equal time that is the cheapest, within the intervals of costs, of which an upper bound has no lower end; at equal
     sub-step the one that comes down to the error in the coarsest steps that were run.
     """
-    pairs: dict[tuple[str, str, float], list[Price]] = {}
     by_scene: dict[tuple[str, str], list[Point]] = {}
     for point in points:
         by_scene.setdefault((point.case, point.where), []).append(point)
-    for price in prices:
-        pairs.setdefault((price.case, price.where, price.target), []).append(price)
+    pairs = _pairs(prices)
+    coarsest = [
+        Question(_coarsest(by_scene.get((case, where), ()), target, _engines(offers)), _engines(offers))
+        for (case, where, target), offers in pairs.items()
+    ]
     leads = []
-    for at in ("equal sub-step", "equal time"):
+    for at, questions in (("equal sub-step", coarsest), ("equal time", [*map(_cheapest, pairs.values())])):
         for ours in (True, False):
-            groups = []
-            for (case, where, target), asked in pairs.items():
-                engines = frozenset(price.engine for price in asked if ours or price.engine != REFERENCE)
-                if at == "equal time":
-                    extents = {price.engine: _cheapness(price) for price in asked if price.engine in engines and price.cost}
-                else:
-                    extents = _coarsest(by_scene.get((case, where), ()), target, engines)
-                if extents:
-                    groups.append((leaders(extents), engines))
-            leads += _count("pairs", (at, ""), ours, groups)
+            put = questions if ours else [question.to_deploy for question in questions]
+            leads += _leads("pairs", at, "", ours, [question for question in put if question.extents])
     return leads
 
 
-def _cheapness(price: Price) -> Extent:
-    """From the costs that it may have; an upper bound says nothing of how little it may be."""
-    cost = price.cost or 1.0
-    low, high = (value if value is not None and value == value else cost for value in (price.low, price.high))
-    return 1 / high, math.inf if price.verdict == "at most" else 1 / low
+def cheapest(prices: Sequence[Price]) -> list[Question]:
+    """Which engine to deploy is cheapest? Of each pair of case and error that one of them reaches."""
+    questions = [_cheapest(offers).to_deploy for offers in _pairs(prices).values()]
+    return [question for question in questions if question.extents]
 
 
-def _coarsest(points: Iterable[Point], target: float, engines: frozenset[str]) -> dict[str, Extent]:
+def _pairs(prices: Sequence[Price]) -> Mapping[tuple[str, str, float], list[Price]]:
+    pairs: dict[tuple[str, str, float], list[Price]] = {}
+    for price in prices:
+        pairs.setdefault((price.case, price.where, price.target), []).append(price)
+    return pairs
+
+
+def _cheapest(offers: Sequence[Price]) -> Question:
+    """Of one pair; an upper bound says nothing of how little a cost may be."""
+    costs = {
+        price.engine: cheapness(price.cost, price.low, price.high, bound=price.verdict == "at most")
+        for price in offers
+        if price.cost
+    }
+    return Question(costs, _engines(offers))
+
+
+def _coarsest(points: Iterable[Point], target: float, engines: Sequence[str]) -> dict[str, Extent]:
     extents: dict[str, Extent] = {}
     for point in points:
         if point.engine in engines and point.error <= target:
@@ -206,21 +190,5 @@ def _coarsest(points: Iterable[Point], target: float, engines: frozenset[str]) -
     return extents
 
 
-def _count(
-    what: str, condition: tuple[str, str], ours: bool, groups: Sequence[tuple[frozenset[str], frozenset[str]]]
-) -> list[Lead]:
-    """Args: groups: of each axis or pair, who leads and who was asked."""
-    names = sorted({name for _, asked in groups for name in asked if ours or name != REFERENCE})
-    return [
-        Lead(
-            what=what,
-            at=condition[0],
-            condition=condition[1],
-            ours=ours,
-            engine=name,
-            alone=sum(first == {name} for first, _ in groups),
-            shared=sum(name in first and len(first) > 1 for first, _ in groups),
-            of=sum(name in asked for _, asked in groups),
-        )
-        for name in names
-    ]
+def _leads(what: str, at: str, condition: str, ours: bool, questions: Sequence[Question]) -> list[Lead]:
+    return [Lead(what=what, at=at, condition=condition, ours=ours, **each._asdict()) for each in standing(questions)]

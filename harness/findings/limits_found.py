@@ -127,6 +127,11 @@ class Search:
         return f"{self.track}, sub-step dt" + (f"/{self.parts}" if self.parts > 1 else "")
 
     @property
+    def further(self) -> float:
+        """Where between easy and extreme the next harder value lies that was tried; `reach` where none was."""
+        return max(self.reach, self.holds[-1].further) if self.holds else self.reach
+
+    @property
     def searched_along(self) -> tuple[str, str, str]:
         """What searches that can be compared have in common: experiment, case and where."""
         return self.experiment, self.case, self.where

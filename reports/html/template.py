@@ -16,6 +16,7 @@ from plumbline.harness.metric.titles import metric_title
 from plumbline.harness.store.store import Store
 from plumbline.reports.charts.palette import looks
 from plumbline.reports.html.compiled_templates import CompiledTemplates
+from plumbline.reports.html.house_words import explained
 from plumbline.reports.page import navigation
 from plumbline.reports.words.catalogue import case_file, cases, engine_file, engines, labels
 from plumbline.reports.words.status import STATUSES, outcome
@@ -116,9 +117,9 @@ def environment() -> Environment:
 
 
 def fill(template: str, store: Store, **context: Any) -> str:
-    """A whole page from `templates/<template>`."""
+    """A whole page from `templates/<template>`, house words linked to the glossary."""
     named = engines(store)
-    return (
+    page = (
         environment()
         .get_template(template)
         .render(
@@ -132,3 +133,4 @@ def fill(template: str, store: Store, **context: Any) -> str:
             **context,
         )
     )
+    return page if template == "glossary.html" else explained(page)

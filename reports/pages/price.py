@@ -47,7 +47,7 @@ def render(store: Store) -> Mapping[str, Rendered]:
         "price.html",
         store,
         title="Price",
-        wins=wins(prices, ours(store)),
+        wins=wins(prices),
         standings=standings(pair_leads(prices, priced(store).points)),
         hinges=[
             (row, *without(row))

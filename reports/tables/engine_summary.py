@@ -4,13 +4,16 @@ There is one scale for all tracks: what tuning does to an engine is the step fro
 deploy is ranked among itself. The reference engine stands beside them on their scale.
 """
 
+from collections import Counter
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 import pandas as pd
 
+from plumbline.harness.findings.standing import exactness, leaders
 from plumbline.harness.store.store import Store
 from plumbline.reports.tables.trial_results import answers, at_own_step
 from plumbline.reports.tables.verdicts import totals
@@ -21,8 +24,6 @@ Side = tuple[str, str]
 
 EXACT = 1e-6
 """Share of a case's scale below which an error counts as this share: a ratio of two rounding errors says nothing."""
-LEVEL = 1.01
-"""Errors within one part in a hundred of each other are level: the first digits of a figure, which is all that is shown."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -34,7 +35,7 @@ class Glance:
         relative_cost [1]: geometric mean over the shared cases of its CPU time over that of the cheapest engine that is not
         ours, whatever its track; relative_error [1]: likewise for the headline error, not below `EXACT`. shared: the number of
         those cases, in which each engine on each track has a number. best: cases in which its headline error is the smallest of
-        the engines that are not ours, whatever their track, or within `LEVEL` of it; None for ours. None where it cannot be
+        the engines that are not ours, whatever their track, or within `ALIKE` of it; None for ours. None where it cannot be
         computed.
     """
 
@@ -85,6 +86,11 @@ def ratios(frame: pd.DataFrame, yardsticks: Collection[str] = ()) -> dict[Side, 
     return {(str(engine), str(track)): float(np.exp(value)) for (engine, track), value in logs.mean().items()}
 
 
+def most_accurate(errors: "pd.Series[float]", *, more_is_better: bool = False) -> frozenset[Any]:
+    """Which of these err least? All that are within `ALIKE` of the least. Args: errors: positive, where less is better."""
+    return leaders({who: exactness(float(error), more_is_better) for who, error in errors.items()})
+
+
 @lru_cache(maxsize=1)
 def glances(store: Store) -> list[Glance]:
     """All engines on all tracks that were run, on one scale. One with fewer than half of the cases has no ratios."""
@@ -97,8 +103,7 @@ def glances(store: Store) -> list[Glance]:
     notable = errors.div(scales.reindex(errors.index), axis=0).clip(lower=EXACT)
     even, priced = (shared_cases(frame, regular(frame)) for frame in (notable, costs))
     by_error, by_cost = ratios(even, yardsticks), ratios(priced, yardsticks)
-    deployed = others(notable, yardsticks).dropna(how="all")
-    level = deployed.le(LEVEL * deployed.min(axis=1), axis=0) if not deployed.empty else deployed
+    leading = Counter(side for _, row in others(notable, yardsticks).iterrows() for side in most_accurate(row.dropna()))
     sides = [(engine, track) for engine in engines(store) for track in named if (engine, track) in counts]
     return [
         Glance(
@@ -110,7 +115,7 @@ def glances(store: Store) -> list[Glance]:
             relative_cost=by_cost.get((engine, track)),
             relative_error=by_error.get((engine, track)),
             shared=len(priced) if (engine, track) in by_cost else 0,
-            best=None if engine in yardsticks else int(level[engine, track].sum()) if (engine, track) in level.columns else 0,
+            best=None if engine in yardsticks else leading[engine, track],
         )
         for engine, track in sides
     ]

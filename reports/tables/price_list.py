@@ -1,11 +1,14 @@
 """The price list as people read it: a row for each scene and error, a column for each engine."""
 
 import math
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 from plumbline.harness.findings.emulations import share_in_words, whose
+from plumbline.harness.findings.leads import cheapest
 from plumbline.harness.findings.prices import PER_SECOND, Price, priced
+from plumbline.harness.findings.standing import counted, standing
 from plumbline.harness.store.store import Store
 from plumbline.reports.words.catalogue import titled
 from plumbline.reports.words.disputes import disputed
@@ -58,8 +61,8 @@ def price_list(store: Store) -> list[Line]:
             last = target <= SHOWN and all(price.verdict in ("not within the ladder", "no answer") for price in prices.values())
             unit = next(iter(prices.values())).unit
             shown = "" if unit == PER_SECOND else f"per {unit}"
-            cheapest = next((price for price in prices.values() if price.cheapest), None)
-            entries = {engine: marked(store, price, cheapest) for engine, price in prices.items()}
+            least = next((price for price in prices.values() if price.cheapest), None)
+            entries = {engine: marked(store, price, least) for engine, price in prices.items()}
             lines.append(Line(case, title, power(round(math.log10(target))), shown, last, entries))
             if last:
                 break
@@ -152,10 +155,9 @@ def _outside(price: Price) -> Entry:
     return Entry(price, f"not by {finest}, best {best}", "", trend, "out", hint)
 
 
-@dataclass(frozen=True, slots=True)
-class Wins:
+class Wins(NamedTuple):
     """How many errors each engine reaches at the lowest price, most first, of those where that is known; open: where it is not,
-    since the price of another is an upper bound, read off a ladder that ends too early."""
+    since intervals meet or the price of another is an upper bound, read off a ladder that ends too early."""
 
     counts: Sequence[tuple[str, int]]
     open: int
@@ -171,18 +173,9 @@ class Wins:
         return sum(count for _, count in self.counts)
 
 
-def wins(prices: Sequence[Price], yardsticks: Collection[str] = ()) -> Wins:
-    """Yardsticks do not count, and an engine without an answer in any scene has lost to nobody."""
-    counts = {price.engine: 0 for price in prices if price.engine not in yardsticks and price.verdict != "no answer"}
-    pairs: dict[tuple[str, str, float], list[Price]] = {}
-    for price in prices:
-        if price.engine in counts and price.cost is not None:
-            pairs.setdefault((price.case, price.where, price.target), []).append(price)
-    unknown = 0
-    for group in pairs.values():
-        least = min(group, key=lambda price: price.cost or math.inf)
-        if any(price.verdict == "at most" for price in group if price is not least):
-            unknown += 1
-        else:
-            counts[least.engine] += 1
-    return Wins(sorted(counts.items(), key=lambda pair: -pair[1]), unknown)
+def wins(prices: Sequence[Price]) -> Wins:
+    """Of engines to deploy; one without an answer in any scene has lost to nobody."""
+    answered = {price.engine for price in prices if price.verdict != "no answer"}
+    questions = cheapest([price for price in prices if price.engine in answered])
+    counts = counted(standing(questions))
+    return Wins(counts, len(questions) - sum(count for _, count in counts))

@@ -8,15 +8,13 @@ from typing import Any
 import pandas as pd
 
 from plumbline.harness.store.store import Store
-from plumbline.reports.tables.engine_summary import EXACT
+from plumbline.reports.tables.engine_summary import EXACT, most_accurate
 from plumbline.reports.tables.own_scenes import by_case
 from plumbline.reports.tables.trial_results import answers, at_own_step
 from plumbline.reports.words.catalogue import cases, compared_tracks, engines, more_is_better, ours
 
 NO_REASON = "no reason given"
 """What stands where our engine errs least and nobody has said why."""
-EVEN = 0.99
-"""Errors within a per cent of each other are equal: such an order would change with the compiler."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -54,11 +52,6 @@ def leads(store: Store) -> dict[tuple[str, str], Lead]:
     return leading
 
 
-def _better(mine: float, rival: float, more: bool, least: float) -> bool:
-    """Is one value better than another by more than a per cent, and by more than rounding of the case's scale?"""
-    return rival < EVEN * mine if more else max(mine, least) < EVEN * max(rival, least)
-
-
 def _lead(
     case: Mapping[str, Any], track: str, mine: str, errors: "pd.Series[float]", advantages: Mapping[str, Any]
 ) -> Lead | None:
@@ -66,7 +59,8 @@ def _lead(
         return None
     others, more = errors.drop(mine), more_is_better(case)
     rival = "" if others.empty else str(others.idxmax() if more else others.idxmin())
-    if rival and not _better(float(errors[mine]), float(others[rival]), more, EXACT * (case["scale"] or 1.0)):
+    notable = errors if more else errors.clip(lower=EXACT * (case["scale"] or 1.0))
+    if rival and most_accurate(notable, more_is_better=more) != {mine}:
         return None
     reason = advantages.get(f"{track}/{case['name']}", {"by": NO_REASON, "why": ""})
     return Lead(

@@ -6,6 +6,7 @@ from dataclasses import asdict
 from plumbline.harness.findings.emulations import whose
 from plumbline.harness.findings.leads import axis_leads, reaches
 from plumbline.harness.findings.limits_found import searches_if_described
+from plumbline.harness.findings.standing import leaders as first_of
 from plumbline.harness.findings.tables import determinism, effects
 from plumbline.harness.findings.tables.orders import convergences
 from plumbline.harness.store.store import Store
@@ -122,7 +123,8 @@ def leaders(store: Store, seen: list[Glance]) -> list[str]:
             continue
         share = {glance.engine: glance.held / glance.asked for glance in judged}
         order = sorted(judged, key=lambda glance: -share[glance.engine])
-        first = [glance for glance in order if share[glance.engine] == share[order[0].engine]]
+        most = first_of({engine: (value, value) for engine, value in share.items()})
+        first = [glance for glance in order if glance.engine in most]
         names = join_words(titles[glance.engine] for glance in first)
         rest = "; ".join(f"{titles[glance.engine]} {glance.held}/{glance.asked}" for glance in order[len(first) :])
         written.append(

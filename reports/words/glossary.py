@@ -40,3 +40,58 @@ def glossary() -> tuple[Entry, ...]:
     """The entries of `docs/glossary.md`; none if this installation lacks it."""
     path = next((path for path in PLACES if path.is_file()), None)
     return () if path is None else entries(path.read_text(encoding="utf-8"))
+
+
+HOUSE_WORDS = {
+    "track": "tracks?",
+    "knob": "knobs?",
+    "ladder": "ladders?",
+    "companion": "companions?",
+    "fidelity": "fidelity",
+    "headline": "headlines?",
+    "scale": "(?:case's|its)(?: own)? scale",
+    "clocked": "clocked",
+    "emulated": "emulated",
+    "front": "fronts",
+    "price": "prices?",
+    "remedy": "remed(?:y|ies)",
+    "resample": "resampl(?:es?|ed)",
+    "notice": "notices(?! which)",  # a check notices which one is wrong
+    "tremble": "trembles?",
+    "truth": "truths?",
+    "conformance": "conformance",
+    "nominal time step": "nominal (?:time )?steps?",
+    "reference engine": "(?<!Plumbline )reference engine",  # not in its name
+}
+"""Entries whose word means something of its own here, and their forms: each page links the first of each to its entry."""
+WORD = re.compile(r"(?<![\w-])(?:" + "|".join(f"({form})" for form in HOUSE_WORDS.values()) + r")(?![\w-])", re.IGNORECASE)
+
+
+def house_word(met: re.Match[str]) -> str:
+    """Which one a match of `WORD` is, counted from the end of its groups, so that other groups may come before."""
+    return [*HOUSE_WORDS][next(k for k, form in enumerate(met.groups()[-len(HOUSE_WORDS) :]) if form)]
+
+
+_MARKDOWN = re.compile(
+    r"^```.*?^```|^#.*?$|^\|.*?$|`[^`]*`|\[(?P<linked>[^\]]*)\]\([^)]*glossary\.md#[^)]*\)"
+    r"|!?\[(?:[^\]\[]|\[[^\]]*\]\([^)]*\))*\]\([^)]*\)|https?://\S+|" + WORD.pattern,
+    re.MULTILINE | re.DOTALL | re.IGNORECASE,
+)
+"""What a page in Markdown has of code, headings, tables and links, and of words in its prose."""
+
+
+def linked(page: str, address: str) -> str:
+    """A page in Markdown whose first of each house word leads to its section. Args: address: of the glossary, from the page."""
+    sections = {word: re.sub(r"[^a-z]+", "-", entry.section.lower()) for entry in glossary() for word in entry.words}
+    seen = set[str]()
+
+    def link(met: re.Match[str]) -> str:
+        shown = WORD.fullmatch(met["linked"]) if met["linked"] else None
+        if shown is None and not any(met.groups()[-len(HOUSE_WORDS) :]):
+            return met[0]
+        word, plain = house_word(shown or met), met["linked"] or met[0]
+        text = plain if word in seen else f"[{plain}]({address}#{sections[word]})"
+        seen.add(word)
+        return text
+
+    return _MARKDOWN.sub(link, page)

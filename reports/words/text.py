@@ -67,7 +67,7 @@ def power(exponent: int) -> str:
     return str(10**exponent) if exponent in (0, 1) else f"10{str(exponent).translate(SUPERSCRIPT)}"
 
 
-POWER = re.compile(r"(?<![\w.])(\d+(?:\.\d+)?)e([-+]?\d+)(?![\w.])")
+POWER = re.compile(r"(?<![\w.])(\d+(?:\.\d+)?)e([-+]?\d+)(?!\w|\.\w)")
 
 
 POINT = re.compile(r"(?<![\w.)])\.(?=\d)")

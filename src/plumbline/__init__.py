@@ -25,7 +25,7 @@ The nouns:
     Imu, Lidar, Camera, DepthCamera                         sensors, with their noise
     box_inertia, sphere_inertia, ...                        moments of solids
 
-`help(plumbline.run)` and `help(plumbline.Body)` have every argument, with its unit.
+`help(plumbline.run)` and `help(plumbline.Body)` have every argument, with its unit. Below stand the nouns, then the functions.
 
 Wrong input raises `PlumblineError`; the message names file, element, value and what was expected. Each run is a process of
 its own, so that an engine that crashes is an outcome with its reason. The names in `__all__` are the interface; all else may
@@ -34,6 +34,7 @@ change.
 In a checkout, the packages beside `api` are links to the folders of the same names at the top; installed, they are folders.
 """
 
+from enum import Flag
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
@@ -87,6 +88,8 @@ def __getattr__(name: str) -> Any:
     if name not in _WHERE:
         raise AttributeError(f"module 'plumbline' has no attribute {name!r}")
     value = getattr(import_module(f"plumbline.{_WHERE[name]}"), _CALLED.get(name, name))
+    if callable(value) and not (isinstance(value, type) and issubclass(value, Exception | Flag)):
+        value.__signature__ = import_module("plumbline.api.signatures").readable(value)
     globals()[name] = value
     return value
 

@@ -1,5 +1,6 @@
 """Sentences over which people stumbled do not come back: none of them stands in a file of the project."""
 
+import re
 import subprocess
 from pathlib import Path
 
@@ -59,7 +60,25 @@ STUMBLED = (
     "some that have the numeric libraries and no engine",
     "Going on with a run",
     "a scene pays only for the effects",
+    "A first look",
+    "It leans on",
+    "Many bodies in a frame",
+    "a world that explodes",
+    "A case of each family once",
+    "Take away environments",
+    "what changed is told",
+    "where nothing was learned",
+    "none of none",
+    "unless told softer",
+    "as far as it is asked for",
+    "by every night that tells it",
+    "told by the first that sees it",
+    "is told not again",
+    "what is seldom needed stays small",
 )
+WORDS = re.compile(r"(?<![`\w-])(yardsticks?|rulers?|recalled|draws of|traps? of)(?![`\w-])", re.IGNORECASE)
+"""Words that only the project had, for the reference engine, for what an earlier night answered, for resamples and pitfalls."""
+FOR_USERS = ("README.md", "CONTRIBUTING.md", "docs", "examples", "reports/templates", "harness/study/built_in", "harness/cli")
 LEFT_ALONE = ("CHANGELOG.md", "docs/decisions/", "tests/architecture/test_plain_sentences.py")
 """What tells of the past, and this list."""
 
@@ -79,3 +98,11 @@ def files() -> dict[str, str]:
 @pytest.mark.parametrize("sentence", STUMBLED)
 def test_a_sentence_that_people_stumbled_over_stands_nowhere(files: dict[str, str], sentence: str) -> None:
     assert [name for name, text in files.items() if sentence in text] == []
+
+
+def test_texts_for_users_have_no_word_that_only_the_project_had(files: dict[str, str]) -> None:
+    """Pages, their templates, examples, studies, and help texts by way of `docs/cli.md`; in templates the text alone."""
+    shown = {name: text for name, text in files.items() if name.startswith(FOR_USERS) and not name.endswith((".py", ".ipynb"))}
+    assert {"README.md", "docs/cli.md", "reports/templates/index.html", "harness/study/built_in/quick.toml"} <= shown.keys()
+    bare = {name: re.sub(r"\{[{%#].*?[}%#]\}|<[^>]*>", " ", text) for name, text in shown.items()}
+    assert {name: met for name, text in bare.items() if (met := WORDS.findall(text))} == {}

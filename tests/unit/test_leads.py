@@ -5,10 +5,12 @@ from typing import Any
 
 import pytest
 
-from plumbline.harness.findings.leads import axis_leads, leaders, pair_leads, reaches
+from plumbline.harness.findings.leads import axis_leads, pair_leads, reaches
 from plumbline.harness.findings.limits_found import CONSTANT, Hold, Search, Signs
 from plumbline.harness.findings.prices import Prices
-from tests.unit.test_prices import Priced, Told
+from plumbline.harness.findings.standing import leaders
+from plumbline.harness.findings.tables import limits, steps
+from tests.unit.test_prices import Priced, Told, ladder
 
 STEP = 0.01
 
@@ -134,3 +136,30 @@ def test_an_upper_bound_on_a_price_leads_with_others_for_it_may_be_less() -> Non
 def test_a_bar_that_a_constant_crosses_ranks_nobody() -> None:
     far, constant = search("a", 1, (0.5, 0.6, None)), replace(search("b", 1, (0.1, 0.2, None)), verdict=CONSTANT)
     assert {reach.engine for reach in reaches([far, constant])} == {"a"}
+
+
+def test_the_table_of_limits_names_together_whose_brackets_meet_and_not_who_took_finer_steps() -> None:
+    """DART holds .4 and breaks at .5, MuJoCo holds .45: no order. Bullet held .9 at an eighth of the step it was asked for."""
+    found = [
+        search("dart", 1, (0.4, 0.5, None)),
+        search("mujoco", 1, (0.45, 0.55, None)),
+        search("bullet", 1, (0.9, 1.0, None), substep=STEP / 8),
+        search("reference", 1, (0.7, 0.8, None)),
+    ]
+    (sentence,) = limits.TABLE.sentences([limits.TABLE.flat(each) for each in found])
+    assert sentence == (
+        "c, sub-step dt/1: x up to 0.45: mujoco (tuned, dt/1), dart (tuned, dt/1) to 0.4; reference, not ranked, 0.7."
+    )
+    together = {reach.engine for reach in reaches(found) if reach.parts and reach.leads_without}
+    assert together == {"dart", "mujoco"}
+
+
+def test_the_table_of_steps_ranks_what_can_be_deployed_as_every_other_table_does() -> None:
+    told = [*ladder("a", "reference", 1e-3), *ladder("a", "dart", 4e-3), *ladder("a", "bullet", 4e-3)]
+    (sentence,) = steps.TABLE.sentences(steps.TABLE.rows(Priced(told)))
+    paced = {name: f"{name} (tuned) at dt = 1/10 s" for name in ("dart", "bullet", "reference")}
+    assert sentence.startswith(
+        f"a: to stay within 1 %, of the steps that were run, fastest {paced['dart']}, 25 times real time"
+    )
+    assert f" and {paced['bullet']}" in sentence
+    assert sentence.endswith(f"25 times real time; not ranked, {paced['reference']}, 100 times real time.")

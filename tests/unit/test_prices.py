@@ -51,7 +51,7 @@ class Priced(Store):
             "samples": pd.DataFrame(samples, columns=["trial", "process", "block", "steps", "units", "cpu", "canary"]),
         }
         cases = {case: {"title": case, "headline": "e", "scale": scale, "dt": 0.01, "parameters": {}} for case, *_ in told}
-        engines = {engine: {"title": engine, "ours": engine == "ours"} for _, engine, *_ in told}
+        engines = {engine: {"title": engine, "ours": engine == "reference"} for _, engine, *_ in told}
         self.__dict__["catalogue"] = json.loads(json.dumps({"cases": cases, "engines": engines}))
         self.__dict__["machine"] = self.__dict__["study"] = {}
 
@@ -188,18 +188,24 @@ def test_the_case_on_which_a_share_hangs_is_named() -> None:
 
 def test_the_reference_engine_is_a_line_beside_the_cheapest_that_can_be_deployed() -> None:
     """It costs half of what dart does in a; nobody else was put to b, which is then no pair."""
-    told = [*ladder("a", "dart", 2.0), *ladder("a", "bullet", 6.0), *ladder("a", "ours", 1.0), *ladder("b", "ours", 1.0)]
+    told = [
+        *ladder("a", "dart", 2.0),
+        *ladder("a", "bullet", 6.0),
+        *ladder("a", "reference", 1.0),
+        *ladder("b", "reference", 1.0),
+    ]
     prices = Prices(Priced(told)).prices
     ratios = {(price.case, price.engine): price.ratio for price in prices if price.target == 1e-2}
-    assert ratios.pop(("b", "ours")) is None
-    assert ratios == pytest.approx({("a", "dart"): 1.0, ("a", "bullet"): 3.0, ("a", "ours"): 0.5}, rel=1e-9)
+    assert ratios.pop(("b", "reference")) is None
+    assert ratios == pytest.approx({("a", "dart"): 1.0, ("a", "bullet"): 3.0, ("a", "reference"): 0.5}, rel=1e-9)
     assert {price.engine for price in prices if price.cheapest} == {"dart"}
     shares = {(s.engine, s.within): (s.share, s.pairs) for s in profile(prices) if s.limit == FACTOR}
-    assert (shares["dart", 1.0], shares["ours", 1.0], shares["bullet", 2.0]) == ((1.0, 6), (1.0, 6), (0.0, 6))
+    assert (shares["dart", 1.0], shares["reference", 1.0], shares["bullet", 2.0]) == ((1.0, 6), (1.0, 6), (0.0, 6))
     told_of_prices = [price_table.TABLE.brief(asdict(price)) for price in prices]
     assert not any("None" in str(cell) or "nan" in str(cell) for row in told_of_prices for cell in row)
     assert price_table.TABLE.sentences([asdict(price) for price in prices]) == [
-        "Of 6 pairs of case and error that an engine to deploy reaches, cheapest: dart 6."
+        "Of 6 pairs of case and error that an engine to deploy reaches, cheapest: dart 4, bullet 0; in 2 intervals meet or "
+        "larger steps were not tried, and nobody is counted."
     ]
 
 

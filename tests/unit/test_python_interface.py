@@ -1,6 +1,8 @@
 """The Python interface, as a user's script has it: runs, comparisons, tables, rankings, scenes, and what wrong input raises."""
 
 import ast
+import enum
+import inspect
 import os
 import re
 import subprocess
@@ -325,3 +327,14 @@ def test_the_options_of_robots_are_those_of_the_command_line() -> None:
 
     options = {parameter.name for parameter in main.commands["scene"].commands["show"].params}
     assert set(ImportOptions.__annotations__) <= options
+
+
+@pytest.mark.parametrize("name", plumbline.__all__)
+def test_help_shows_types_as_people_write_them(name: str) -> None:
+    """Without what validates a value, and a noun by its own name."""
+    value = getattr(plumbline, name)
+    if callable(value) and not (isinstance(value, type) and issubclass(value, Exception | enum.Flag)):
+        shown = str(inspect.signature(value))
+        assert not re.search(r"Annotated|FieldInfo|Validator|plumbline\.|typing\.", shown), shown
+        assert inspect.getdoc(value)
+    assert "(*, name: str, " in str(inspect.signature(plumbline.Body))

@@ -3,13 +3,15 @@
 import csv
 import io
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import asdict, replace
 from typing import Any
 
 import pytest
 from markupsafe import escape
 
+from plumbline.harness.findings.leads import pair_leads
 from plumbline.harness.findings.prices import priced
+from plumbline.harness.findings.tables import price as price_table
 from plumbline.harness.findings.tables.profile import FACTOR, TIME, profile
 from plumbline.harness.findings.tables.steps import Step
 from plumbline.harness.store.store import Store
@@ -39,7 +41,7 @@ def rows_of(figure: Figure, layer: dict[str, Any]) -> list[dict[str, Any]]:
 
 def told() -> list[Told]:
     """Ours is cheap and reaches 1e-6, DART costs three times as much and reaches 1e-4; one step of it was not clocked."""
-    return [*ladder("a", "ours", 1e-3), *ladder("a", "dart", 3e-3, finest=1e-2), ("a", "dart", "default", 1e-2, 0.2, None)]
+    return [*ladder("a", "reference", 1e-3), *ladder("a", "dart", 3e-3, finest=1e-2), ("a", "dart", "default", 1e-2, 0.2, None)]
 
 
 @pytest.fixture(scope="module")
@@ -62,7 +64,7 @@ def test_without_several_clocked_steps_there_is_no_such_page_and_no_link_to_it()
 
 def test_settings_of_a_search_stand_on_the_case_page_and_not_as_tracks_of_the_overview() -> None:
     turned = "tuned, iterations 4"
-    store = Priced([*told(), ("a", "ours", turned, 1e-3, 5e-4, None)])
+    store = Priced([*told(), ("a", "reference", turned, 1e-3, 5e-4, None)])
     trials = store.trials
     trials.loc[trials["track"] == turned, "round"] = 2
     texts = texts_of(store, "index", "case")
@@ -73,8 +75,8 @@ def test_settings_of_a_search_stand_on_the_case_page_and_not_as_tracks_of_the_ov
 def test_settings_of_a_sweep_are_no_marks_of_the_overview() -> None:
     """Without telling them apart, each would be a mark of its own, filled as if it were tuned."""
     turned = ("tuned, iterations 4", "default, solver pgs")
-    named = [*told(), ("a", "ours", "default", 1e-2, 3e-3, 0.1)]
-    store = Priced([*named, *(("a", "ours", track, 1e-2, 1e-5, 1e-4) for track in turned)])
+    named = [*told(), ("a", "reference", "default", 1e-2, 3e-3, 0.1)]
+    store = Priced([*named, *(("a", "reference", track, 1e-2, 1e-5, 1e-4) for track in turned)])
     store.trials.loc[store.trials["track"].isin(turned), "round"] = 1
     with_sweep, without = (index.PAGE.render(one) for one in (store, Priced(named)))
     for chart in ("overview-error", "overview-cost"):
@@ -82,7 +84,7 @@ def test_settings_of_a_sweep_are_no_marks_of_the_overview() -> None:
         assert isinstance(drawn, Figure)
         assert isinstance(alone, Figure)
         marks = [(row["engine"], row["track"]) for rows in drawn.spec["datasets"].values() for row in rows]
-        assert ("ours (ours)", "default") in marks
+        assert ("reference (ours)", "default") in marks
         assert {track for _, track in marks} <= {"default", "tuned"}
         assert len(set(marks)) == len(marks)
         assert drawn.rows == alone.rows
@@ -90,11 +92,11 @@ def test_settings_of_a_sweep_are_no_marks_of_the_overview() -> None:
 
 def test_what_a_sweep_fails_is_no_failure_of_its_engine() -> None:
     turned = "tuned, iterations 4"
-    store = Priced([*told(), ("a", "ours", turned, 1e-2, 2.0, 1e-4)])
+    store = Priced([*told(), ("a", "reference", turned, 1e-2, 2.0, 1e-4)])
     trials = store.trials
     trials.loc[trials["track"] == turned, "round"] = 1
-    trials.loc[(trials["engine"] == "ours") & (trials["dt"] == 1e-2), "status"] = "failed"
-    assert [(failure.cause.engine, failure.cause.track) for failure in failing(store)] == [("ours", "tuned")]
+    trials.loc[(trials["engine"] == "reference") & (trials["dt"] == 1e-2), "status"] = "failed"
+    assert [(failure.cause.engine, failure.cause.track) for failure in failing(store)] == [("reference", "tuned")]
 
 
 def test_with_them_there_is_the_page_its_tables_and_a_link() -> None:
@@ -137,9 +139,9 @@ def test_a_trial_that_was_not_clocked_is_small_faint_and_says_so() -> None:
 def test_the_front_of_each_engine_is_a_line_and_the_front_of_all_is_ringed() -> None:
     figure = chart_of(Priced(told()), "a")
     (line,) = layers(figure, "line")
-    assert [row["engine"] for row in rows_of(figure, line)] == ["ours (ours)"] * 4 + ["dart"] * 3
+    assert [row["engine"] for row in rows_of(figure, line)] == ["reference (ours)"] * 4 + ["dart"] * 3
     (rings,) = (one for one in layers(figure, "point") if one["mark"]["size"] > 200)
-    assert [row["engine"] for row in rows_of(figure, rings)] == ["ours (ours)"] * 4
+    assert [row["engine"] for row in rows_of(figure, rings)] == ["reference (ours)"] * 4
 
 
 def test_a_list_ends_at_the_first_error_that_nobody_reaches_and_shades_by_the_ratio() -> None:
@@ -147,26 +149,46 @@ def test_a_list_ends_at_the_first_error_that_nobody_reaches_and_shades_by_the_ra
     assert [line.target for line in lines] == [power(-k) for k in range(1, 8)]
     assert [line.last for line in lines] == [False] * 6 + [True]
     first: Line = lines[1]
-    assert first.entries["ours"].price.cost == pytest.approx(1e-3 / 0.1, rel=1e-9)  # 0.1 s errs 5e-3 already
-    assert (first.entries["ours"].shade, first.entries["dart"].shade, first.entries["dart"].ratio) == ("x1", "x1", "")
+    assert first.entries["reference"].price.cost == pytest.approx(1e-3 / 0.1, rel=1e-9)  # 0.1 s errs 5e-3 already
+    assert (first.entries["reference"].shade, first.entries["dart"].shade, first.entries["dart"].ratio) == ("x1", "x1", "")
     # The other's is a bound too: of two bounds there is no ratio.
-    assert first.entries["ours"].text == "≥ 100\N{MULTIPLICATION SIGN}"
+    assert first.entries["reference"].text == "≥ 100\N{MULTIPLICATION SIGN}"
     assert lines[5].entries["dart"].text.startswith("not by dt 1/100 s, best 5")
     assert heat(lines[5].entries["dart"].price) == "out"
-    prices = priced(Priced(told())).prices
-    bounds = sum(price.verdict == "at most" for price in prices if price.engine == "dart")
-    assert bounds == 2
-    assert (wins(prices).counts, wins(prices).open) == ([("ours", 6 - bounds), ("dart", 0)], bounds)
-    reached = sum(price.cost is not None for price in prices if price.engine == "dart")
-    assert wins(prices, ["ours"]).counts == [("dart", reached)]
+
+
+def test_terminal_and_page_count_alike_who_is_cheapest_and_nobody_whose_order_is_not_known() -> None:
+    """Bullet takes three times as long and errs as much. Where its coarsest step errs less than asked, larger ones, which were
+    not tried, might be cheaper; ours would be cheapest of all and is not ranked."""
+    store = Priced([*told(), *ladder("a", "bullet", 9e-3)])
+    prices = priced(store).prices
+    bounds = sum(price.verdict == "at most" for price in prices if price.engine == "bullet")
+    alone = {name: sum(price.cost is not None for price in prices if price.engine == name) for name in ("dart", "bullet")}
+    assert (bounds, alone) == (2, {"dart": 4, "bullet": 6})
+    won = wins(prices)
+    assert (won.counts, won.open) == ([("bullet", 2), ("dart", 2)], bounds)
+    (sentence,) = price_table.TABLE.sentences([asdict(price) for price in prices])
+    assert sentence == (
+        "Of 6 pairs of case and error that an engine to deploy reaches, cheapest: bullet 2, dart 2; in 2 intervals meet or "
+        "larger steps were not tried, and nobody is counted."
+    )
+    at_time = [lead for lead in pair_leads(prices, priced(store).points) if (lead.at, lead.ours) == ("equal time", False)]
+    assert [(lead.engine, lead.alone, lead.shared) for lead in at_time] == [("bullet", 2, 2), ("dart", 2, 2)]
+
+
+def test_where_intervals_of_costs_meet_nobody_is_counted_as_cheapest() -> None:
+    prices = priced(Priced([*ladder("a", "dart", 1.0), *ladder("a", "bullet", 1.1)])).prices
+    wide = [replace(price, low=price.cost and 0.9 * price.cost, high=price.cost and 1.2 * price.cost) for price in prices]
+    assert wins(prices).counts[0] == ("dart", 4)
+    assert (wins(wide).known, wins(wide).open) == (0, 6)
 
 
 def test_an_engine_without_any_answer_has_lost_to_nobody_and_one_left_alone_has_won_nothing() -> None:
-    prices = priced(Priced(told())).prices
+    prices = priced(Priced([*told(), *ladder("a", "bullet", 9e-3)])).prices
     silent = [replace(price, verdict="no answer", cost=None) if price.engine == "dart" else price for price in prices]
-    assert (wins(prices).alone, wins(silent).alone) == ("", "ours")
-    assert [name for name, _ in wins(silent).counts] == ["ours"]
-    shares = [share for share in profile(prices) if share.engine == "ours"]
+    assert (wins(prices).alone, wins(silent).alone) == ("", "bullet")
+    assert [name for name, _ in wins(silent).counts] == ["bullet"]
+    shares = [share for share in profile(priced(Priced(told())).prices) if share.engine == "reference"]
     assert profile_chart(Priced(told()), shares, FACTOR) is None
 
 
@@ -182,7 +204,7 @@ def test_profiles_have_a_line_and_a_band_for_each_engine() -> None:
         figure = profile_chart(one, shares, limit)
         assert figure is not None
         assert {row["engine"] for mark in ("line", "area") for row in rows_of(figure, next(layers(figure, mark)))} == {
-            "ours (ours)",
+            "reference (ours)",
             "dart",
         }
     assert profile_chart(one, [], FACTOR) is None
@@ -241,7 +263,7 @@ def test_a_power_of_ten_is_told_as_one() -> None:
 
 def test_a_price_says_what_of_its_laws_the_adapter_makes() -> None:
     """Of what the case uses, and on the track whose settings it has: 'default, iterations 4' is built on default."""
-    store = Priced([*ladder("a", "ours", 1e-3), *ladder("a", "dart", 3e-3, track="default, iterations 4")])
+    store = Priced([*ladder("a", "reference", 1e-3), *ladder("a", "dart", 3e-3, track="default, iterations 4")])
     made = {"how": "a torque", "where": "", "tracks": ["default"]}
     store.catalogue["engines"]["dart"] |= {
         "tracks": {"default": {}, "tuned": {}},
@@ -249,7 +271,7 @@ def test_a_price_says_what_of_its_laws_the_adapter_makes() -> None:
     }
     store.catalogue["cases"]["a"]["features"] = ["springs"]
     entries = {name: one for line in price_list(store) for name, one in line.entries.items()}
-    assert {name: one.law for name, one in entries.items()} == {"ours": "", "dart": "springs emulated"}
+    assert {name: one.law for name, one in entries.items()} == {"reference": "", "dart": "springs emulated"}
     assert "springs emulated by the adapter" in entries["dart"].hint
     pages = texts_of(store, "price", "case")
     assert "<small>springs emulated</small>" in pages["price.html"]

@@ -54,6 +54,7 @@ def test_numbers_are_shown_with_three_digits(value: float | None, shown: str) ->
         ("tolerance 1e-8, armature 2.5e12", "tolerance 10⁻⁸, armature 2.5\N{MULTIPLICATION SIGN}10¹²"),
         ("by .7 % (at e = .3)", "by 0.7 % (at e = 0.3)"),
         ("version 4.0.1, sec. 3.2, file.3, t.7", "version 4.0.1, sec. 3.2, file.3, t.7"),
+        ("0.2 % in 0.5 s at 1e-3.", "0.2 % in 0.5 s at 10⁻³."),
         ("it rests.", "it rests."),
     ],
 )

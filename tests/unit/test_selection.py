@@ -2,6 +2,7 @@
 
 import json
 import math
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 
@@ -10,13 +11,15 @@ import pytest
 
 from plumbline.harness.findings.selection import Answer, PresetError, Wish, choose, preset_names, read_preset
 from plumbline.harness.findings.selection.choose import EXPRESSED
+from plumbline.harness.findings.selection.decide import LEAST, into
 from plumbline.harness.findings.selection.doubt import Turn
 from plumbline.harness.findings.selection.words import decisive, headline, trade, turn_sentences
 from plumbline.harness.store.store import Store
 from plumbline.harness.study.plugins import names
 from plumbline.reports.pages import index, select
 from tests.conftest import Command
-from tests.run_folder import CASES
+from tests.decided import decided
+from tests.run_folder import CASES, LADDER
 from tests.selection_folder import Made, write_selection_folder
 
 SEEDS = [0, *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(1, 20))]
@@ -316,10 +319,69 @@ def test_what_would_decide_is_the_figure_whose_interval_moves_the_answer_most(tm
     found = choose(Store(folder), Wish(max_error=1e-2))
     assert found.decider is not None
     assert (found.decider.criterion, found.decider.engine, found.decider.case) == ("speed", "dart", "joint_chain")
-    assert found.decider.command == "plumbline run accuracy --engine dart --case joint_chain"
+    command = "plumbline run accuracy --engine dart --case joint_chain"
+    assert found.decider.command == command
     assert found.decider.runs == 1
-    sentence, command = decisive(found, str, str)
-    assert sentence.startswith("What would decide it: the speed of dart in “joint_chain” (1 run of it here took ")
-    assert command == found.decider.command
+    sentence, shown = decisive(found, str, str)
+    assert shown == command
+    assert sentence.startswith("What would decide it: the speed of dart in “joint_chain”; ")
+    assert " would be first in " in sentence
+    assert "(1 run of it here took " in sentence
+    (folder / "journal.jsonl").touch()
+    assert into(Store(folder)) == f" --out {folder} --resume=merge"
     certain = choose(Store(write_selection_folder(tmp_path / "far", {"mujoco": GOOD, "dart": BAD}, 0)), Wish())
     assert decisive(certain, str, str) == ("", "")
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_what_decides_is_carried_out_until_nothing_is_left_that_would(tmp_path: Path, seed: int) -> None:
+    """Each engine was run at its cases' own step alone. The ladder of the case and engine named puts the first engine where it
+    was said to come out, is asked for once, and in the end the answer is that of all ladders.
+
+    MuJoCo errs less than asked even at the ladder's largest step in most cases: there it is faster by four, and no more runs of
+    the ladder would help, though its speed at the error asked for is still not known.
+    """
+    engines = {"mujoco": Made(error=0.15, cost=1.3), "dart": Made(error=0.6, cost=1.0), "bullet": Made(error=2.0, cost=0.5)}
+    whole, now = (
+        write_selection_folder(tmp_path / name, engines, seed, most=6, steps=steps)
+        for name, steps in (("whole", LADDER), ("now", (1 / 240,)))
+    )
+    asked = list[tuple[str, str]]()
+    while (decider := (answer := choose(Store(now), Wish(max_error=1e-2))).decider) is not None:
+        assert answer.rank is not None
+        first = answer.rank.places[0].engine
+        assert decider.low - 0.02 <= answer.rank.places[0].first <= decider.high + 0.02
+        assert (decider.case, decider.engine) not in asked
+        asked.append((decider.case, decider.engine))
+        now = with_ladder(tmp_path / str(len(asked)), now, whole, *asked[-1])
+        then = choose(Store(now), Wish(max_error=1e-2)).rank
+        assert then is not None
+        (share,) = (place.first for place in then.places if place.engine == first)
+        assert decider.low - 0.02 <= share <= decider.high + 0.02
+    assert asked
+    # What is left moves less than LEAST each, to either side.
+    last, all_ = ({place.engine: place.first for place in choose(Store(each), Wish()).rank.places} for each in (now, whole))
+    assert last == pytest.approx(all_, abs=2 * LEAST)
+
+
+def test_a_run_of_one_step_knows_no_price_by_more_than_a_bound_and_says_who_is_first_all_the_same(tmp_path: Path) -> None:
+    engines = {"mujoco": GOOD, "dart": BAD}
+    single, several = (
+        decided(Store(write_selection_folder(tmp_path / name, engines, 0, steps=steps)))
+        for name, steps in (("single", (1 / 240,)), ("several", LADDER))
+    )
+    assert single[0] == 0 < several[0]
+    assert single[1] <= several[1]
+    assert single[2]["legged"][0] == several[2]["legged"][0] == "mujoco"
+
+
+def with_ladder(folder: Path, before: Path, whole: Path, case: str, engine: str) -> Path:
+    """The folder once `whole`'s runs of a case on an engine are in it too."""
+    shutil.copytree(before, folder)
+    runs = pd.read_parquet(whole / "trials.parquet")
+    mine = set(runs["trial"][(runs["case"] == case) & (runs["engine"] == engine)])
+    for name in ("trials.parquet", "measurements.parquet"):
+        old, new = pd.read_parquet(before / name), pd.read_parquet(whole / name)
+        rows = [old[~old["trial"].isin(mine)], new[new["trial"].isin(mine)]]
+        pd.concat(rows, ignore_index=True).to_parquet(folder / name, index=False)
+    return folder

@@ -145,7 +145,7 @@ def choose(store: Store, wish: Wish, draws: int = DRAWS) -> Answer:
         dropped=tuple(dropped),
         undecided=tuple(_left_open(evidence, wish, left)),
         turns=tuple(t for t in turns(evidence, wish) if t.first != order.places[0].engine) if order is not None else (),
-        decider=decider(store, evidence, samples) if samples is not None and several else None,
+        decider=decider(store, evidence, samples, wish) if samples is not None and several else None,
         asked=len(ranked),
     )
 

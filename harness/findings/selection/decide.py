@@ -1,12 +1,24 @@
-"""What would decide between engines: the figure whose interval, if it were half as wide, moves the answer most."""
+"""What would decide between engines: the case and engine of which a built-in study, run further, can move the answer most.
 
+Speeds are read off the steps that were run. `accuracy` runs a case's ladder: at its largest step an engine that errs less than
+asked may be faster by as much as that step is larger; one that errs more comes down to the error asked for at a smaller step,
+by its first power or faster; one of which no run passes may pass at the smallest. Where the ladder has no such step, the study
+can decide nothing there. `limits` halves brackets.
+"""
+
+import math
+import shlex
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
 
-from plumbline.harness.findings.selection.evidence import Evidence
-from plumbline.harness.findings.selection.rank import Resampled, first_shares
+from plumbline.harness.findings.prices import priced
+from plumbline.harness.findings.selection.evidence import DECADES_OF_SPEED, Evidence
+from plumbline.harness.findings.selection.rank import Floats, Resampled, first_shares
+from plumbline.harness.findings.selection.wish import Wish
+from plumbline.harness.findings.speed import Speed
 from plumbline.harness.store.store import Store
 
 LEAST = 0.02
@@ -17,43 +29,108 @@ STUDIES = {"speed": "accuracy", "limits": "limits"}
 
 @dataclass(frozen=True, kw_only=True)
 class Decider:
-    """criterion, case, engine: of the figure. moves: the share of resamples that its interval, halved, moves at most from the
-    first engine to others. seconds: what this engine's runs of the case took in the folder, runs: how many they are."""
+    """criterion, case, engine: of the figure. low, high: between these the share of the first engine will lie once it is known.
+    seconds: what this engine's runs of the case took in the folder, runs: how many they are. command: what measures it, into
+    the same folder unless that is the one that ships with the package."""
 
     criterion: str
     case: str
     engine: str
-    moves: float
+    low: float
+    high: float
     seconds: float
     runs: int
+    command: str
 
     @property
-    def command(self) -> str:
-        """What measures it more closely."""
-        return f"plumbline run {STUDIES[self.criterion]} --engine {self.engine} --case {self.case}"
+    def moves(self) -> float:
+        """The share of resamples that it moves at most to either side."""
+        return (self.high - self.low) / 2
 
 
-def decider(store: Store, evidence: Evidence, samples: Resampled) -> Decider | None:
-    """None where no figure's interval moves the answer by `LEAST`. A figure moves scores in proportion, so that its effect is
-    known without a rank of its own."""
+def decider(store: Store, evidence: Evidence, samples: Resampled, wish: Wish) -> Decider | None:
+    """None where nothing that could be run moves the answer by `LEAST`."""
     leader = int(np.argmax(first_shares(samples.scores)))
-    best: tuple[float, str, str, str] | None = None
+    best: Decider | None = None
+    for (criterion, case, engine), ends in _ends(store, evidence, samples, wish):
+        shares = [float(first_shares(scores)[leader]) for scores in ends]
+        low, high = min(shares), max(shares)
+        if (high - low) / 2 >= max(LEAST, best.moves if best is not None else 0.0):
+            seconds, runs = _spent(store, case, engine)
+            command = f"plumbline run {STUDIES[criterion]} --engine {engine} --case {case}{into(store)}"
+            best = Decider(
+                criterion=criterion, case=case, engine=engine, low=low, high=high, seconds=seconds, runs=runs, command=command
+            )
+    return best
+
+
+def _ends(
+    store: Store, evidence: Evidence, samples: Resampled, wish: Wish
+) -> Iterator[tuple[tuple[str, str, str], list[Floats]]]:
+    """By criterion, case and engine, the scores of all resamples if the figure came out at one of its ends."""
     for (criterion, case, engine), datum in evidence.table.items():
-        if criterion not in STUDIES or criterion not in samples.criteria or datum.possible <= datum.low:
+        if criterion not in STUDIES or criterion not in samples.criteria:
             continue
-        k, c, e = samples.criteria.index(criterion), samples.cases.index(case), evidence.engines.index(engine)
-        ends = []
-        for end in (datum.low, datum.possible):
-            moved = samples.scores.copy()
-            moved[:, e] += samples.share[:, k, c] * (end - samples.drawn[:, k, c, e])
-            ends.append(first_shares(moved)[leader])
-        moves = abs(ends[1] - ends[0]) / 2
-        if moves >= LEAST and (best is None or moves > best[0]):
-            best = float(moves), criterion, case, engine
-    if best is None:
-        return None
-    seconds, runs = _spent(store, best[2], best[3])
-    return Decider(criterion=best[1], case=best[2], engine=best[3], moves=best[0], seconds=seconds, runs=runs)
+        if criterion == "speed":
+            ends = list(_speeds(store, evidence, wish, case, engine))
+        else:
+            ends = [{criterion: end} for end in (datum.low, datum.high) if datum.low < datum.high]
+        if ends:
+            cell = samples.cases.index(case), evidence.engines.index(engine)
+            counted = [{name: end[name] for name in end if name in samples.criteria} for end in ends]
+            yield (criterion, case, engine), [_moved(samples, *cell, end) for end in counted]
+
+
+def _speeds(store: Store, evidence: Evidence, wish: Wish, case: str, engine: str) -> Iterator[Mapping[str, float]]:
+    """What the steps of the case's ladder can make of an engine there, by criterion, at the ends."""
+    ladder = [float(dt) for dt in store.catalogue.get("cases", {}).get(case, {}).get("ladder") or ()]
+    unit = max((other.times for (of, _), other in evidence.speeds.items() if of == case), default=0.0)
+    speed = evidence.speeds.get((case, engine))
+    if speed is None:
+        points = [p for p in priced(store).points if (p.case, p.engine, p.track) == (case, engine, evidence.tracks[engine])]
+        finest = min(points, key=lambda point: point.dt, default=None)
+        if finest is not None and unit and min(ladder, default=finest.dt) < finest.dt:
+            yield {}
+            yield {"speed": _score(min(ladder) / finest.dt / finest.cost, unit), "accuracy": 1.0}
+        return
+    slow, fast = prospect(speed, ladder, wish.max_error)
+    # An engine that takes smaller steps for it errs as little as was asked.
+    exact = {"accuracy": 1.0} if slow < speed.low else {}
+    yield {"speed": _score(slow, unit)} | exact
+    yield {"speed": _score(fast, unit)} | exact
+    if exact:
+        yield {}
+
+
+def _score(times: float, unit: float) -> float:
+    """Of a speed over the highest of its case, as it counts; above 1 for one that is higher still."""
+    return 1 + math.log10(times / unit) / DECADES_OF_SPEED
+
+
+def prospect(speed: Speed, ladder: Sequence[float], error: float) -> tuple[float, float]:
+    """Times real time at the least and at the most, once the steps of the ladder are run as well."""
+    low, high = speed.low, speed.high
+    if speed.bound:
+        high *= max(1.0, max(ladder, default=speed.dt) / speed.dt)
+    elif not speed.at_error and min(ladder, default=speed.dt) < speed.dt:
+        low *= max(min(ladder) / speed.dt, error / speed.error)
+    return low, high
+
+
+def _moved(samples: Resampled, c: int, e: int, values: Mapping[str, float]) -> Floats:
+    """The scores if an engine had these values by criterion in a case; what is above 1 is the unit of the others, who fall."""
+    scores = samples.scores.copy()
+    for criterion, value in values.items():
+        k = samples.criteria.index(criterion)
+        then = np.maximum(samples.drawn[:, k, c, :] - max(value - 1.0, 0.0), 0.0)
+        then[:, e] = min(max(value, 0.0), 1.0)
+        scores += samples.share[:, k, c, None] * (then - samples.drawn[:, k, c, :])
+    return scores
+
+
+def into(store: Store) -> str:
+    """The options that add runs to a folder, which has to have a journal for it."""
+    return f" --out {shlex.quote(str(store.folder))} --resume=merge" if (store.folder / "journal.jsonl").is_file() else ""
 
 
 def _spent(store: Store, case: str, engine: str) -> tuple[float, int]:

@@ -41,14 +41,12 @@ _AGREED = {"agrees": 1.0}
 @dataclass(frozen=True, kw_only=True)
 class Datum:
     """One engine in one case by one criterion. value: 0 to 1. low, high: its 95 % interval; equal to it where it has none.
-    possible: the highest that it may be where larger steps, which were not run, might be faster; its high end elsewhere. trial:
-    the run that it leans on. says: the figure behind it, with its unit. track, dt [s], substeps: the settings of that run.
+    trial: the run that it leans on. says: the figure behind it, with its unit. track, dt [s], substeps: that run's settings.
     figure: the error as a share of the case's scale, or the speed in times real time; None of other criteria."""
 
     value: float
     low: float
     high: float
-    possible: float
     trial: str = ""
     says: str = ""
     track: str = ""
@@ -59,8 +57,7 @@ class Datum:
     @classmethod
     def of(cls, value: float, low: float | None = None, high: float | None = None, **about: Any) -> "Datum":
         """Args: low, high: the value itself unless given."""
-        high = value if high is None else high
-        return cls(value=value, low=value if low is None else low, high=high, **{"possible": high} | about)
+        return cls(value=value, low=value if low is None else low, high=value if high is None else high, **about)
 
 
 Table = Mapping[tuple[str, str, str], Datum]
@@ -253,7 +250,6 @@ def _speed(store: Store, chosen: Mapping[tuple[str, str], Speed], accuracy: Tabl
             value,
             low,
             high,
-            possible=1.0 if speed.bound else high,
             trial=speed.trial,
             says=speed.words,
             track=judged.track,

@@ -128,16 +128,17 @@ def _within(answer: Answer, engine: str) -> int:
 
 def decisive(answer: Answer, titled: Titled, called: Titled) -> tuple[str, str]:
     """What would decide it, and the command that measures it; ('', '') where nothing has to be decided, and no command where no
-    single figure would. Args: titled: an engine's name to its title. called: that of a case."""
+    built-in study would. Args: titled: an engine's name to its title. called: that of a case."""
     if answer.rank is None or answer.alone or answer.rank.places[0].first >= CERTAIN:
         return "", ""
     decider = answer.decider
     if decider is None:
-        return "No single figure of this run would decide it: it rests on which cases count.", ""
+        return "No single figure that a built-in study measures would decide it: it rests on which cases count.", ""
     what = "speed" if decider.criterion == "speed" else "limit"
     took = f"{decider.runs} run{'' if decider.runs == 1 else 's'} of it here took {decider.seconds:.2g} s"
+    then = f"{titled(answer.rank.places[0].engine)} would be first in {percent(decider.low)} to {percent(decider.high)}"
     return (
-        f"What would decide it: the {what} of {titled(decider.engine)} in “{called(decider.case)}” ({took}).",
+        f"What would decide it: the {what} of {titled(decider.engine)} in “{called(decider.case)}”; {then} ({took}).",
         decider.command,
     )
 

@@ -5,16 +5,18 @@ from dataclasses import asdict
 from typing import Any
 
 from plumbline.harness.findings.columns import Column, Row, Table, Titled, Titles, milli, names, scene
-from plumbline.harness.findings.leads import REFERENCE
 from plumbline.harness.findings.limits_found import CONSTANT, Search, amount, searches
 from plumbline.harness.findings.parameter_words import called
+from plumbline.harness.findings.standing import is_reference, leaders
 from plumbline.harness.metric.titles import metric_title
 
-COLUMNS = tuple(name for name in names(Search) if name not in ("beside", "remedy", "remedied", "holds"))
+_LEFT_OUT = ("beside", "remedy", "remedied", "holds")
+COLUMNS = (*(name for name in names(Search) if name not in _LEFT_OUT), "further", "fair")
 
 
 def _flat(search: Search) -> dict[str, Any]:
     row = {name: value for name, value in asdict(search).items() if name in COLUMNS}
+    row |= {"further": search.further, "fair": search.fair}
     return row | {"signs": search.signs.text, "noticed": "; ".join(map(str, search.noticed)), "along": search.along_in_words}
 
 
@@ -43,25 +45,29 @@ def _setting(row: Row) -> str:
 def _sentences(rows: Sequence[Row]) -> list[str]:
     """Axis by axis and sub-step by sub-step, who goes farthest of the engines that people can deploy, and the reference engine.
 
-    Leads are counted by the table `farthest`.
+    Whose brackets meet go as far as each other; leads are counted by the table `farthest`.
     """
     axes: dict[tuple[Any, ...], list[Row]] = {}
     for row in rows:
-        if row["verdict"] not in ("unsupported", "unavailable", CONSTANT):
+        if row["verdict"] not in ("unsupported", "unavailable", CONSTANT) and row["fair"]:
             # Tracks as they come are not compared with what is held to a sub-step.
             axes.setdefault((row["experiment"], row["case"], row["where"], row["axis"], row["parts"]), []).append(row)
     lines = []
     for (_, case, where, axis, parts), searched in axes.items():
-        ranked = [row for row in searched if row["engine"] != REFERENCE]
-        mine = max((row for row in searched if row["engine"] == REFERENCE), key=lambda row: row["reach"], default=None)
-        farthest = max((row["reach"] for row in ranked), default=0.0)
-        best = [row for row in ranked if row["reach"] >= farthest - 1e-9 and row["held"] is not None]
-        names = ", ".join(f"{row['engine']} ({_setting(row)})" for row in best) or "nobody"
-        value = best[0]["held"] if best else None
-        beside = "" if mine is None else f"; {REFERENCE}, not ranked, {amount(mine['held'], 'no value')}"
+        ours = max((row for row in searched if is_reference(row["engine"])), key=lambda row: row["reach"], default=None)
+        ranked = [row for row in searched if not is_reference(row["engine"]) and row["held"] is not None]
+        first = leaders({_searched(row): (row["reach"], row["further"]) for row in ranked})
+        best = sorted((row for row in ranked if _searched(row) in first), key=lambda row: -row["reach"])
+        held = best[0]["held"] if best else None
+        names = [_searched(row) + (f" to {amount(row['held'], '')}" if row["held"] != held else "") for row in best]
+        beside = "" if ours is None else f"; {ours['engine']}, not ranked, {amount(ours['held'], 'no value')}"
         name = f"{case} {where}".strip() + (f", sub-step dt/{parts}" if parts else ", as tracks come")
-        lines.append(f"{name}: {axis} up to {amount(value, 'no value')}: {names}{beside}.")
+        lines.append(f"{name}: {axis} up to {amount(held, 'no value')}: {', '.join(names) or 'nobody'}{beside}.")
     return lines
+
+
+def _searched(row: Row) -> str:
+    return f"{row['engine']} ({_setting(row)})"
 
 
 TABLE = Table(

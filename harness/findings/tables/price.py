@@ -1,11 +1,12 @@
 """The price list: what an error of a case costs on each engine; worked out in `harness.findings.prices`."""
 
-from collections import Counter
 from collections.abc import Sequence
 
 from plumbline.harness.findings.columns import Column, Row, Table, Titled, Titles, milli, names, scene, span
 from plumbline.harness.findings.emulations import share_in_words
+from plumbline.harness.findings.leads import cheapest
 from plumbline.harness.findings.prices import Price, priced
+from plumbline.harness.findings.standing import counted, standing
 from plumbline.harness.findings.steps_taken import step_in_words
 
 
@@ -41,10 +42,14 @@ def _tried(row: Row) -> str:
 
 def _sentences(rows: Sequence[Row]) -> list[str]:
     """Who is cheapest how often."""
-    pairs = {(row["case"], row["where"], row["target"]) for row in rows if row["cheapest"]}
-    counts = Counter(row["engine"] for row in rows if row["cheapest"])
-    share = ", ".join(f"{engine} {count}" for engine, count in counts.most_common())
-    return [f"Of {len(pairs)} pairs of case and error that an engine to deploy reaches, cheapest: {share}."] if pairs else []
+    pairs = cheapest([Price(**row) for row in rows])
+    if not pairs:
+        return []
+    counts = counted(standing(pairs))
+    shared = len(pairs) - sum(count for _, count in counts)
+    alone = ", ".join(f"{engine} {count}" for engine, count in counts)
+    open_ = f"; in {shared} intervals meet or larger steps were not tried, and nobody is counted" if shared else ""
+    return [f"Of {len(pairs)} pairs of case and error that an engine to deploy reaches, cheapest: {alone}{open_}."]
 
 
 _WORDS = {"at most": "upper bound", "not within the ladder": "not reached"}

@@ -10,8 +10,8 @@ from dataclasses import asdict, dataclass
 from typing import Any, NamedTuple
 
 from plumbline.harness.findings.columns import Column, Row, Table, names
-from plumbline.harness.findings.leads import REFERENCE
 from plumbline.harness.findings.prices import PER_SECOND, Price, priced
+from plumbline.harness.findings.standing import is_reference
 
 FACTOR, TIME = "times the cheapest", "CPU s per simulated s"
 """The two limits."""
@@ -121,7 +121,7 @@ def sentences(rows: Sequence[Row]) -> list[str]:
     """What the shares are shares of, and which case each engine's share within a factor hangs on."""
     pairs = max((row["pairs"] for row in rows), default=0)
     lines = [f"Shares of the {pairs} pairs of case and error that at least one engine to deploy reaches."] if pairs else []
-    for row in hinges(row for row in rows if row["limit"] == FACTOR and row["engine"] != REFERENCE):
+    for row in hinges(row for row in rows if row["limit"] == FACTOR and not is_reference(row["engine"])):
         engine, (scene, other) = row["engine"], without(row)
         limit = "at the lowest price" if row["within"] == 1 else f"within {row['within']:g} times the lowest price"
         lines.append(

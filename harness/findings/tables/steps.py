@@ -10,6 +10,7 @@ from typing import Any
 from plumbline.harness.findings.columns import Column, Row, Table, Titled, Titles, milli, names, scene
 from plumbline.harness.findings.cost_point import Point
 from plumbline.harness.findings.prices import PER_SECOND, priced, unit_of
+from plumbline.harness.findings.standing import cheapness, is_reference, leaders
 from plumbline.harness.findings.steps_taken import step_in_words, substeps_of
 from plumbline.harness.store.rows import records
 from plumbline.harness.store.store import Store
@@ -120,17 +121,29 @@ def _worded(kind: str, row: Row) -> str:
 
 
 def _sentences(rows: Sequence[Row]) -> list[str]:
-    """The fastest way to stay within one per cent, case by case."""
-    best: dict[str, Row] = {}
+    """The fastest way to stay within one per cent, case by case, and the reference engine's beside it, not ranked."""
+    scenes: dict[str, list[Row]] = {}
     for row in rows:
-        name = scene(row)
-        if row["realtime"] is not None and (name not in best or row["realtime"] > best[name]["realtime"]):
-            best[name] = row
-    return [
-        f"{name}: to stay within 1 % {row['engine']} ({row['track']}) may use "
-        f"dt = {step_in_words(row['accurate'], row['accurate_substeps'])}, {row['realtime']:.3g} times real time."
-        for name, row in best.items()
-    ]
+        if row["realtime"] is not None:
+            scenes.setdefault(scene(row), []).append(row)
+    lines = []
+    for name, paced in scenes.items():
+        ranked = [row for row in paced if not is_reference(row["engine"])]
+        first = leaders({_setting(row): cheapness(1 / row["realtime"], None, None, bound=False) for row in ranked})
+        ways = [_way(row) for row in ranked if _setting(row) in first] or ["nobody to deploy"]
+        ours = max((row for row in paced if row not in ranked), key=lambda row: row["realtime"], default=None)
+        beside = "" if ours is None else f"; not ranked, {_way(ours)}"
+        lines.append(f"{name}: to stay within 1 %, of the steps that were run, fastest {' and '.join(ways)}{beside}.")
+    return lines
+
+
+def _setting(row: Row) -> str:
+    return f"{row['engine']} ({row['track']})"
+
+
+def _way(row: Row) -> str:
+    step = step_in_words(row["accurate"], row["accurate_substeps"])
+    return f"{_setting(row)} at dt = {step}, {row['realtime']:.3g} times real time"
 
 
 TABLE = Table(

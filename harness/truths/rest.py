@@ -6,9 +6,7 @@ from typing import Any
 from plumbline.harness.scene import Scene
 from plumbline.harness.trajectory import Floats, Trajectory
 
-at_rest = Trajectory.at_rest
-
 
 def resting(scene: Callable[[Any], Scene]) -> Callable[[Floats, Any], Trajectory]:
     """The truth of a case in whose scene nothing moves."""
-    return lambda time, parameters: at_rest(scene(parameters), time)
+    return lambda time, parameters: Trajectory.at_rest(scene(parameters), time)

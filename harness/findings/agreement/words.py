@@ -8,7 +8,6 @@ import numpy as np
 from plumbline.harness.findings.agreement.perturbed_starts import LAWS, Balance, Outlook, foreseeable_until
 from plumbline.harness.findings.agreement.values import Agreement, Side
 
-
 AT_START = 0.05
 """Of the run: who parts within it differs from the start on."""
 

@@ -12,7 +12,7 @@ from plumbline.harness.store.store import Store
 from plumbline.reports.html.report import ASSETS
 from plumbline.reports.page import Rendered, asked, pages
 
-__all__ = ["anchors", "dangling", "files_of", "texts_of"]
+__all__ = ["anchors", "dangling", "files_of", "texts_of", "without_word_links"]
 
 OUTSIDE = ("http", "https", "data")
 """What leads out of a report, or nowhere."""
@@ -68,6 +68,11 @@ def texts_of(store: Store, *names: str) -> dict[str, Any]:
         if page.name in (names or (page.name,)) and asked(page, store):
             files |= page.render(store)
     return files
+
+
+def without_word_links(page: str) -> str:
+    """A page whose house words are plain again, for sentences to be found in."""
+    return re.sub(r'<a class="word"[^>]*>([^<]*)</a>', r"\1", page)
 
 
 def dangling(folder: Path, files: Mapping[str, Rendered] | None = None) -> list[str]:

@@ -20,12 +20,13 @@ import numpy as np
 from plumbline.harness.findings.agreement import agreements
 from plumbline.harness.findings.agreement.values import Agreement
 from plumbline.harness.intake.safe_text import quoted
-from plumbline.harness.scene import WORLD, Prismatic, Revolute, Scene
+from plumbline.harness.scene import Prismatic, Revolute, Scene
 from plumbline.harness.store.imported_scenes import states_of
 from plumbline.harness.store.journal import StoreError
 from plumbline.harness.store.store import Store
 from plumbline.harness.trajectory import Floats
-from plumbline.harness.trajectory.kinematics import joint_coordinate, rotate
+from plumbline.harness.trajectory.carried_inertia import carried
+from plumbline.harness.trajectory.kinematics import joint_coordinate
 
 LATEST = 0.2
 """Seconds: the longest delay that is looked for."""
@@ -126,24 +127,6 @@ def _answer(scene: Scene, joint: Revolute | Prismatic, torque: Floats, time: Flo
         path[step] = x
     answer: Floats = np.interp(time, at, path)
     return answer
-
-
-def carried(scene: Scene, joint: Revolute | Prismatic) -> float:
-    """The inertia [kg m2, kg] that a joint carries at the start if all behind it are stiff, its rotor included."""
-    behind, grown = {joint.child}, True
-    while grown:
-        more = {other.child for other in scene.joints if other.parent in behind} - behind
-        grown, behind = bool(more), behind | more
-    total, axis = joint.armature or 0.0, np.array(joint.axis_W)
-    for name in behind - {WORLD}:
-        body = scene.body(name)
-        if isinstance(joint, Prismatic):
-            total += body.mass
-            continue
-        arm = np.cross(axis, np.array(body.p_WB) - np.array(joint.anchor_W))
-        axis_B = rotate(np.array(body.q_WB) * (1.0, -1.0, -1.0, -1.0), axis)
-        total += body.mass * float(arm @ arm) + float(axis_B @ np.array(body.inertia) @ axis_B)
-    return total
 
 
 def recorded_words(errors: Sequence[JointError], titles: Mapping[str, str]) -> list[str]:

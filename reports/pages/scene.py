@@ -11,6 +11,7 @@ from plumbline.harness.findings.agreement.costs import best_price, best_setting,
 from plumbline.harness.findings.agreement.happened import happened_words, happenings
 from plumbline.harness.findings.agreement.perturbed_starts import LAWS
 from plumbline.harness.findings.agreement.setting_causes import cause_words, settings_turned
+from plumbline.harness.findings.agreement.unresolved import unresolved_words
 from plumbline.harness.findings.agreement.words import cut_words, headline, listed, metres, side_words
 from plumbline.harness.findings.tables import agreement as agreement_table
 from plumbline.harness.findings.tables.fidelity import of_element
@@ -158,10 +159,11 @@ def answers_of(store: Store, agreement: Agreement, seen: Sight) -> list[Answer]:
     closed = answer_pictures.causes(store, agreement, turned)
     cheap = answer_pictures.fronts(scene, answer_pictures.least_errors(store, agreement))
     fast = answer_pictures.speeds(store, agreement, best_price(store, agreement))
+    agree = [headline(agreement, names), *unresolved_words(agreement), *cut_words(agreement, names)]
     nowhere = "No setting is known to err by 1 % or less."
     return [
         Answer("Does it run?", tuple(ended), "trials", runs_at),
-        Answer("Do they agree?", (headline(agreement, names), *cut_words(agreement, names)), "agreement", apart),
+        Answer("Do they agree?", tuple(agree), "agreement", apart),
         Answer("Who is off, and why?", tuple(who) or ("Nobody.",), "parting" if seen.parting else "agreement", closed),
         Answer(
             "What does accuracy cost?", tuple(costs) or ("Nothing was clocked at a limit that is agreed.",), "charts", cheap

@@ -10,7 +10,7 @@ from scipy.integrate import solve_ivp
 
 from plumbline.harness.findings.agreement import Agreement, Side, judged, ways
 from plumbline.harness.findings.agreement.words import JOINTED, STILL, present_words, scene_words, side_sentence
-from plumbline.harness.scene import Scene
+from plumbline.harness.scene import Body, Drive, Revolute, Scene
 from plumbline.harness.search.own_limits import OwnLimit, Rung, own_limit
 from plumbline.harness.statistics.convergence import Convergence, convergence
 from plumbline.harness.trajectory import Trajectory
@@ -289,6 +289,29 @@ def test_no_limit_is_agreed_is_not_said_where_orders_leave_too_few_to_tell() -> 
     assert headline.startswith("Whether there is one limit cannot be told yet: steps of Engine C draw together faster")
     kept = of_orders(a=flown(1.4, 0.01), b=flown(1.4, 0.02))
     assert kept.agreed == "A"
+
+
+@pytest.mark.parametrize(("stiffness", "damping", "told"), [(1e6, 0.0, True), (1e6, 300.0, False), (10.0, 0.0, False)])
+def test_a_swing_that_no_step_follows_is_told_unless_it_dies_away_at_once(stiffness: float, damping: float, told: bool) -> None:
+    """On .1 kg m2 a drive of 1e6 N m/rad swings with 3162 rad/s, .82 of a radian a step of 1/3840 s and 3.3 at 1/960 s; one of
+    10 with 10 rad/s. 300 N m s/rad take the swing away by e in .7 ms, and samples are 100 ms apart."""
+    body = Body.box("arm", (0.1, 0.1, 0.1), mass=15.0, touches=False)  # m (a^2 + b^2) / 3 of its halves is .1 kg m2
+    servo = Revolute(
+        name="servo", parent="world", child="arm", anchor_W=(0, 0, 0), axis_W=(0, 1, 0),
+        drive=Drive(stiffness=stiffness, damping=damping),
+    )  # fmt: skip
+    scene = Scene(bodies=(body,), joints=(servo,))
+    at = at_rest_beside(scene, 0.0, 0.001)
+
+    def words_at(dt: float) -> list[str]:
+        rung = Rung(dt=dt, substep=dt, trial="", status="passed", reason="", run=at.value)
+        limits = {(name, "tuned"): replace(at, rungs=(rung,)) for name in ("mujoco", "dart")}
+        return [line for line in scene_words(judged(scene, 1.0, limits, ()), {}) if line.startswith("No step that was run")]
+
+    assert words_at(1 / 3840) == []
+    assert bool(words_at(1 / 960)) == told
+    if told:
+        assert "follows the swing of 'servo' (a period of 2 ms, hardly damped)" in words_at(1 / 960)[0]
 
 
 def at_rest_beside(scene: Scene, off: float, bar: float) -> OwnLimit:

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from plumbline.harness.trajectory.carried_inertia import carried
 
 from plumbline.harness.adapter import Unavailable
 from plumbline.harness.case.commands import acting
@@ -14,7 +15,7 @@ from plumbline.harness.case.forces import Controlled
 from plumbline.harness.cli.main import main
 from plumbline.harness.cli.own_import import scene_to_run
 from plumbline.harness.findings import tables
-from plumbline.harness.findings.recorded_robot import _answer, _answering, _delayed, carried
+from plumbline.harness.findings.recorded_robot import _answer, _answering, _delayed
 from plumbline.harness.intake.refusal import RobotError
 from plumbline.harness.run.campaign import carry_out
 from plumbline.harness.scene import Body, Drive, Prismatic, Revolute, Samples, Scene, Sinusoid

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from plumbline.harness.findings.agreement.perturbed_starts import LAWS, Balance, Outlook, foreseeable_until
+from plumbline.harness.findings.agreement.unresolved import unresolved_words
 from plumbline.harness.findings.agreement.values import Agreement, Side
 
 AT_START = 0.05
@@ -131,7 +132,7 @@ JOINTED = ": --scenario swing or sweep moves a robot's joints"
 
 def scene_words(agreement: Agreement, titles: Mapping[str, str]) -> list[str]:
     """The headline, whether nothing moves, and the differences between camps."""
-    lines = [headline(agreement, titles), *cut_words(agreement, titles)]
+    lines = [headline(agreement, titles), *unresolved_words(agreement), *cut_words(agreement, titles)]
     if agreement.still and not agreement.moving:
         jointed = agreement.scene is not None and bool(agreement.scene.joints)
         lines.append(f"{STILL}{JOINTED if jointed else ''}.")

@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from plumbline.harness.trajectory.carried_inertia import carried
 
 from plumbline.harness.adapter import Unavailable
 from plumbline.harness.case.commands import acting
@@ -32,6 +31,7 @@ from plumbline.harness.study.experiment import Refinement
 from plumbline.harness.study.own_scene import study_of
 from plumbline.harness.study.study import Study
 from plumbline.harness.trajectory import State
+from plumbline.harness.trajectory.carried_inertia import carried
 from plumbline.harness.trajectory.pace import Pace
 from tests.in_process import in_this_process
 

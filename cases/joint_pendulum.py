@@ -8,7 +8,7 @@ from annotated_types import Interval
 
 from plumbline.harness.case import Case, Check, Parameters, Positive
 from plumbline.harness.case.bounds import G
-from plumbline.harness.metrics import conservation, errors, joints, orbit
+from plumbline.harness.metrics import conservation, errors, joints, periods
 from plumbline.harness.scene import WORLD, Body, Box, Effect, Revolute, Scene, Sphere
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.truths.pendulum import hanging, swinging
@@ -107,7 +107,7 @@ CASE = Case.of(
             "higher orders; the period's error up to the end and the gap of the hinge are added",
         ),
         Check(
-            orbit.period_error,
+            periods.period_error,
             _period_error,
             "a staggered method's period errs by (w0 dt)^2/24, taken twice; a hinge that gives way makes the rod "
             "longer; 1e-6 for interpolation between samples",
@@ -128,7 +128,7 @@ CASE = Case.of(
     observe=(
         conservation.energy_drift_staggered_max,
         conservation.energy_drift_final,
-        orbit.phase_error,
+        periods.phase_error,
         errors.position_error_rms,
         errors.position_error_final,
         errors.velocity_error_max,

@@ -15,7 +15,7 @@ from annotated_types import Interval
 from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.case.forces import Control
 from plumbline.harness.metric import Metric
-from plumbline.harness.metrics import errors, orbit
+from plumbline.harness.metrics import errors, periods
 from plumbline.harness.scene import Body, Scene
 from plumbline.harness.trajectory import Floats, State, Trajectory
 
@@ -104,7 +104,7 @@ def textbook(dt: float, lead: float, duration: float, every: int, p: P) -> Traje
     return run
 
 
-CHECKED = (orbit.phase_error, orbit.period_error, errors.radius_error_max, orbit.orbit_energy_drift_max)
+CHECKED = (periods.phase_error, periods.period_error, errors.radius_error_max, periods.orbit_energy_drift_max)
 
 
 @lru_cache(maxsize=16)
@@ -139,8 +139,8 @@ CASE = Case.of(
     ladder=(1 / 60, 1 / 90, 1 / 120, 1 / 180, 1 / 240, 1 / 480),
     checks=tuple(_check(metric) for metric in CHECKED),
     observe=(
-        orbit.orbit_energy_drift_staggered_max,
-        orbit.orbit_energy_drift_final,
+        periods.orbit_energy_drift_staggered_max,
+        periods.orbit_energy_drift_final,
         errors.radius_error_final,
         errors.position_error_max,
         errors.position_error_final,

@@ -8,7 +8,7 @@ from annotated_types import Interval
 from plumbline.harness.case import Axis, Case, Check, Parameters, Positive
 from plumbline.harness.case.bounds import G
 from plumbline.harness.metrics import conservation, errors, joints
-from plumbline.harness.metrics.spin import nutation_amplitude, precession_rate_error
+from plumbline.harness.metrics.periods import nutation_amplitude, precession_rate_error
 from plumbline.harness.scene import WORLD, Ball, Body, Cylinder, Scene, principal_inertia
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.trajectory.kinematics import about, product

@@ -6,7 +6,7 @@ import numpy as np
 
 from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.metrics import conservation, errors
-from plumbline.harness.metrics.spin import flip_count_error, flip_period_error
+from plumbline.harness.metrics.periods import flip_count_error, flip_period_error
 from plumbline.harness.scene import Body, Box, Scene, principal_inertia
 from plumbline.harness.scene.values import Vector3
 from plumbline.harness.trajectory import Floats, Trajectory

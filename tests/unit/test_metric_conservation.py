@@ -14,7 +14,7 @@ from plumbline.harness.metrics.conservation import (
     momentum_drift_max,
 )
 from plumbline.harness.metrics.joints import joint_gap_final, joint_gap_max
-from plumbline.harness.metrics.orbit import period_error, phase_error
+from plumbline.harness.metrics.periods import period_error, phase_error
 from plumbline.harness.scene import (
     WORLD,
     Ball,

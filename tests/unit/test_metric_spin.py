@@ -5,7 +5,7 @@ import pytest
 
 from plumbline.cases import flight_projectile, spin_heavy_top, spin_intermediate_axis, spin_symmetric_top
 from plumbline.harness.metric import NotMeasurable
-from plumbline.harness.metrics.spin import flip_count_error, flip_period_error, nutation_amplitude, precession_rate_error
+from plumbline.harness.metrics.periods import flip_count_error, flip_period_error, nutation_amplitude, precession_rate_error
 from plumbline.harness.trajectory import Floats, Trajectory
 
 FLIPS, TOP = spin_intermediate_axis.CASE, spin_heavy_top.CASE

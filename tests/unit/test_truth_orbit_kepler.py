@@ -8,7 +8,7 @@ from scipy.integrate import solve_ivp
 
 from plumbline.cases.orbit_kepler import CASE, STRENGTH, P, eccentric_anomaly, expected, scene, textbook
 from plumbline.harness.metric import NotMeasurable
-from plumbline.harness.metrics.orbit import orbit_energy_drift_final, orbit_energy_drift_max, orbit_energy_drift_staggered_max
+from plumbline.harness.metrics.periods import orbit_energy_drift_final, orbit_energy_drift_max, orbit_energy_drift_staggered_max
 from plumbline.harness.trajectory import Floats, Trajectory
 
 DT = 1 / 240

@@ -13,7 +13,7 @@ from plumbline.harness.findings import speed
 from plumbline.harness.findings.cost_point import Point
 from plumbline.harness.metric import NotMeasurable, Run, metric
 from plumbline.harness.metrics.errors import position_error_max
-from plumbline.harness.metrics.spin import nutation_amplitude
+from plumbline.harness.metrics.periods import nutation_amplitude
 from plumbline.harness.scene import Body, Scene
 from plumbline.harness.statistics.ratio import ratio
 from plumbline.harness.store.record import Measurement

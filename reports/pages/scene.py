@@ -1,7 +1,7 @@
 """A page for each scene of one's own: does it run, do engines agree, who is off and why, what accuracy costs, what to set."""
 
 import shlex
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import PurePath
 from typing import Any
@@ -56,6 +56,11 @@ def concerns(store: Store) -> bool:
     return bool(by_case(store))
 
 
+def one_limit(agreements: Sequence[Agreement]) -> bool:
+    """Are all engines measured from one limit, in each of a case's scenes?"""
+    return all(agreement.agreed for agreement in agreements)
+
+
 def render(store: Store) -> Mapping[str, Rendered]:
     """For each scene its page, its charts, its trials and its verdicts as CSV."""
     files: dict[str, Rendered] = {}
@@ -72,7 +77,7 @@ def render(store: Store) -> Mapping[str, Rendered]:
                 [rung.trial for agreement in agreements for side in agreement.sides for rung in side.limit.rungs]
             )
         ]
-        one = all(agreement.agreed for agreement in agreements)
+        one = one_limit(agreements)
         how = CAPTION.format(OF_ONE if one else OF_EACH)
         by_step = error_by_step(
             store, ladder, f"case-{plain}", "distance from the limit", "of its size", DOWN, how=how, bounded=one

@@ -94,6 +94,16 @@ def test_a_ball_that_turns_as_it_goes_rolls_and_a_cube_slides() -> None:
     assert ball.kind == "slid"
 
 
+def test_what_turns_only_while_it_touches_nothing_has_slid() -> None:
+    x = 0.3 * TIME
+    late = TIME > 2.0
+    spin = np.stack([0 * x, np.where(late, 0.3 / R, 0.0) * 4, 0 * x], axis=1)
+    (slid,) = happened(BALL, moved(BALL, path(x), w=spin), touched(~late))
+    assert (slid.kind, slid.value) == ("slid", pytest.approx(0.9))
+    (rolled,) = happened(BALL, moved(BALL, path(x), w=spin), ALWAYS)
+    assert rolled.kind == "rolled"
+
+
 def test_what_flies_neither_rolls_nor_slides() -> None:
     off = Touched(np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros(0, np.int64))
     assert happened(CUBE, moved(CUBE, path(2.0 * TIME, 1.0 + 20 * TIME)), off) == ()

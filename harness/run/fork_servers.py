@@ -66,8 +66,9 @@ class Origin:
 class Forked:
     """A process off a fork server, as seen from here.
 
-    Terms: server: the number of its fork server, of this origin. pipe: to it and from it. status: here its server says how it ended. code: its
-    exit code, below zero for the signal that killed it; None as long as that is unknown. lost: its server died before it told.
+    Terms: server: the number of its fork server, of this origin. pipe: to it and from it. status: here its server says how it
+    ended. code: its exit code, below zero for the signal that killed it; None as long as that is unknown. lost: its server died
+    before it told.
     """
 
     pid: int

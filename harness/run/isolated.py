@@ -71,11 +71,11 @@ class _Child:
     """A process at work on a trial.
 
     Terms:
-        watch: of its memory. inbox: its record comes here, the last word counts. deadline: of what it does now, loading its engine
-        or answering. kills: of the system for want of memory, before it began. begun: when it was started, on the monotonic clock
-        [s]. said: what has come so far. broken: what it said that no child may say; it is heard no more. answered: what is known
-        of an answer that is being judged, when memory and time are those of metrics and truths. ended: has it said its last word,
-        or died? late: why it is; nothing where it is not. ready: has it loaded its engine?
+        watch: of its memory. inbox: its record comes here, the last word counts. deadline: of what it does now, loading its
+        engine or answering. kills: of the system for want of memory, before it began. begun: when it was started, on the
+        monotonic clock [s]. said: what has come so far. broken: what it said that no child may say; it is heard no more.
+        answered: what is known of an answer that is being judged, when memory and time are those of metrics and truths.
+        ended: has it said its last word, or died? late: why it is; nothing where it is not. ready: has it loaded its engine?
     """
 
     trial: Trial

@@ -123,11 +123,8 @@ class _Child:
             if self.said is not None and (self.said.rough_cost or not roughly_clocked(self.trial, self.said)):
                 return self.said
             if self.process.lost:
-                return (
-                    outcome(self.trial, "crashed", "its fork server died with it, alone too")
-                    if self.process.origin.only
-                    else None
-                )
+                alone = bool(self.process.origin.only)
+                return outcome(self.trial, "crashed", "its fork server died with it, alone too") if alone else None
             end = self._end(code)
             if self.said is None and self.answered is not None and end.status in ("oom", "timeout"):
                 return self._unjudged(self.answered, end)

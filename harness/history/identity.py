@@ -1,4 +1,4 @@
-"""What a change is called: one stable id in every night's report and where it is acknowledged, and who acknowledged it."""
+"""The stable id of a change, in every night's report and where it is acknowledged, and who acknowledged it."""
 
 import json
 import os

@@ -71,7 +71,7 @@ def priced(record: Record, cost: float, canary: float) -> Record:
             canary=canary,
             switches=0,
             run=500 if record.clocked else 0,
-        )  # fmt: skip
+        )
         for k in range(SAMPLES)
     )
     bounds = {"cpu_per_unit": cost, "cpu_per_unit_low": 0.98 * cost, "cpu_per_unit_high": 1.02 * cost}

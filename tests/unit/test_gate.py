@@ -348,3 +348,12 @@ def test_a_gate_takes_an_engine_by_the_words_of_the_option_engine(monkeypatch: p
     words: dict[str, Any] = {"engines": ("mujoco==3.3.0",), "globs": ("flight_projectile",), "keep": "none", "agreed": False}
     for gated in ("mujoco==3.3.0", "mujoco 3.3.0"):
         assert nightly_command._asked(study="quick", gated=(gated,), **words).gated == ("mujoco 3.3.0",)
+
+
+def test_a_gate_on_an_engine_that_a_budget_left_out_altogether_fails(root: Path) -> None:
+    """Else a machine that is always too slow would pass every night."""
+    with planted():
+        _, news, account = night(root, asked(LOOK, budget=0.01))
+    assert news is None
+    assert account["outcomes"] == {}
+    assert reasons(news, account, ("reference",), 0.0) == ["no answer of this engine: reference, time was up before"]

@@ -62,7 +62,16 @@ def _records(cases: dict[str, dict[str, object]], rng: np.random.Generator, slow
 def priced(record: Record, cost: float, canary: float) -> Record:
     """The record with a price [s] of a step, and the canary [s] beside it."""
     samples = tuple(
-        Sample(process=0, block=k, steps=500, cpu=500 * cost, wall=500 * cost, canary=canary, switches=0)
+        Sample(
+            process=0,
+            block=k,
+            steps=500,
+            cpu=500 * cost,
+            wall=500 * cost,
+            canary=canary,
+            switches=0,
+            run=500 if record.clocked else 0,
+        )
         for k in range(SAMPLES)
     )
     bounds = {"cpu_per_unit": cost, "cpu_per_unit_low": 0.98 * cost, "cpu_per_unit_high": 1.02 * cost}

@@ -111,6 +111,7 @@ def _asked(
     from plumbline.api.studies import study_and_cases
     from plumbline.harness.history.night_policy import Asked
     from plumbline.harness.study.catalogue import describe_engine
+    from plumbline.harness.study.engine_versions import asked as as_asked
     from plumbline.harness.study.experiment import StudyError
 
     try:
@@ -118,6 +119,8 @@ def _asked(
     except StudyError as error:
         stop(USAGE, str(error))
     adapters = chosen_engines(engines, agreed)
+    by_words = {as_asked(name): name for name in adapters}
+    gated = tuple(by_words.get(engine, engine) for engine in gated)
     for engine in gated:
         if engine not in adapters:
             raise click.BadParameter(

@@ -106,11 +106,11 @@ def _compared(store: Store, before: Sequence[Night], blocks: Collection[Key]) ->
     every = {str(row.trial): row for row in store.trials.itertuples() if (row.experiment, row.case) in blocks}
     unpaired = dict(every)
     differences = [*_looked_back(store, before, unpaired), *_looked_back(store, before, unpaired, renamed=True)]
-    here = machine_digest(store.machine)
+    machine = machine_digest(store.machine)
     unpriced = unpaired
-    if any(difference.a.machine != here for difference in differences):
+    if any(difference.a.machine != machine for difference in differences):
         unpriced = {trial: row for trial, row in every.items() if _clocked(row)}
-        alone = _looked_back(store, [night for night in before if night.machine == here], unpriced)
+        alone = _looked_back(store, [night for night in before if night.machine == machine], unpriced)
         differences = [*map(_without_prices, differences), *map(_prices_alone, alone)]
     judged: dict[str, Judged] = {}
     for trial, row in every.items():

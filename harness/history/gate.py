@@ -12,7 +12,10 @@ def without_answers(plan: Mapping[str, Any], engines: Iterable[str]) -> list[str
     """A sentence for each of these engines that was asked and has no answer at all. Args: plan: of the night."""
     outcomes: Mapping[str, Mapping[str, int]] = plan.get("outcomes", {})
     mute = [each for each in engines if each in outcomes and not outcomes[each].keys() - {*LOST, "unsupported"}]
-    return [f"no answer of this engine: {counted(each, outcomes[each])}" for each in mute]
+    idle = [each for each in engines if each not in outcomes and (plan.get("left_out") or plan.get("unanswered"))]
+    return [f"no answer of this engine: {counted(each, outcomes[each])}" for each in mute] + [
+        f"no answer of this engine: {each}, time was up before" for each in idle
+    ]
 
 
 def counted(engine: str, outcomes: Mapping[str, int]) -> str:

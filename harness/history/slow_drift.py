@@ -91,14 +91,14 @@ def crept(store: Store, before: Sequence[Night], own: Sequence[Change]) -> list[
     """
     clocked = {cell_of(row) for row in store.trials.itertuples() if row.cpu_per_unit is not None and row.cpu_per_unit > 0}
     bases, last = dict[SeenCell, tuple[Night, ...]](), dict[SeenCell, Night]()
-    here = machine_digest(store.machine)
-    for night in (night for night in before[-MOST:] if night.machine == here):
-        told = {(row["engine"], row["case"]) for row in night.plan.get("told", ()) if row["kind"] == "price"}
+    machine = machine_digest(store.machine)
+    for night in (night for night in before[-MOST:] if night.machine == machine):
+        changed = {(row["engine"], row["case"]) for row in night.plan.get("told", ()) if row["kind"] == "price"}
         for cell in seen_cells(night).keys() & clocked:
             last[cell] = night
-            afresh = told & {(cell[2], cell[1]), (cell[2], "")}
+            afresh = changed & {(cell[2], cell[1]), (cell[2], "")}
             bases[cell] = (night,) if afresh else (*bases.get(cell, ()), night)[:2]
-    known = {(row.engine, row.case) for row in own if row.kind == "price" and row.sense in ("worse", "better")}
+    by_itself = {(row.engine, row.case) for row in own if row.kind == "price" and row.sense in ("worse", "better")}
     groups: dict[tuple[Night, ...], set[SeenCell]] = {}
     for cell, base in bases.items():
         if len(base) == 2 and last[cell] not in base:
@@ -113,18 +113,18 @@ def crept(store: Store, before: Sequence[Night], own: Sequence[Change]) -> list[
             print(f"{error}; what it said is left out", file=sys.stderr)
             continue
         rows += [replace(row, detail=f"since {nights[0].stamp}") for row in changes]
-    return [row for row in rows if not known & {(row.engine, row.case), (row.engine, "")}]
+    return [row for row in rows if not by_itself & {(row.engine, row.case), (row.engine, "")}]
 
 
-def lasting(told: Callable[[int, int], Iterable[Change]]) -> list[Change]:
+def lasting(changes: Callable[[int, int], Iterable[Change]]) -> list[Change]:
     """What tonight tells since a night, and would tell since the next one, and what last night told since both: else one noisy
     night, as it comes now and then, would be told against all others.
 
-    Args: told: what changed from one to another of four nights, by their numbers: the first two, last night and tonight.
+    Args: changes: what changed from one to another of four nights, by their numbers: the first two, last night and tonight.
     """
-    rows = [row for row in told(0, 3) if row.sense in ("worse", "better")]
+    rows = [row for row in changes(0, 3) if row.sense in ("worse", "better")]
     for base, late in ((1, 3), (0, 2), (1, 2)):
-        same = {_about(row) for row in told(base, late)} if rows else ()
+        same = {_about(row) for row in changes(base, late)} if rows else ()
         rows = [row for row in rows if _about(row) in same]
     return rows
 

@@ -1,8 +1,9 @@
-"""Twenty planted histories: what each night says of them, and how its gate ends. The table of docs/nightly.md is made here.
+"""Forty planted histories: what each night says of them, and how its gate ends. The table of docs/nightly.md is made here.
 
 Two engines, two cases, sixteen answers a night, clocks by formula with noise of one per cent where nothing else is said.
 """
 
+import re
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass, replace
@@ -362,6 +363,7 @@ def carried_out(history: Planted, root: Path) -> Iterator[tuple[int, list[str], 
 def in_words(code: int, said: Sequence[str], standing: int) -> str:
     """A night in a cell of the table: what weighs most, how many more there are, and how the gate ends."""
     first = said[0].split(": stop_distance")[0].rstrip(".").replace("|", "/") if said else "nothing"
+    first = re.sub(r"since \d{8}T\d{6}Z", "since an earlier night", first)
     more = f" (+{len(said) - 1})" if len(said) > 1 else ""
     return f"{first}{more}{f'; {standing} still worse' if standing else ''}{', **exit 1**' if code else ''}"
 

@@ -42,7 +42,7 @@ def night(rng: np.random.Generator, times: float = 1.0) -> Any:
     return SimpleNamespace(trials=pd.DataFrame(trials), samples=pd.DataFrame(samples), catalogue={})
 
 
-def told(nights: Sequence[Any]) -> list[Any]:
+def crept(nights: Sequence[Any]) -> list[Any]:
     """What the last of four nights is told to have crept by."""
     cells = {("e", case, engine, track, "s") for engine in ENGINES for case in CASES for track in TRACKS}
     return lasting(partial(price_changes_of, nights, cells))
@@ -52,19 +52,19 @@ def told(nights: Sequence[Any]) -> list[Any]:
 def test_of_a_thousand_unchanged_histories_fewer_than_one_in_a_hundred_tells_that_a_price_crept() -> None:
     """Of three engines each; a night looks once, so that this is its chance of a false word by this way."""
     rng = np.random.default_rng(3)
-    false = sum(bool(told([night(rng) for _ in range(4)])) for _ in range(1000))
+    false = sum(bool(crept([night(rng) for _ in range(4)])) for _ in range(1000))
     print(f"{false} of 1000")
     assert false < 10
 
 
 def test_a_rise_of_three_percent_a_night_is_told_by_the_sixth() -> None:
     rng = np.random.default_rng(4)
-    seen = [told([night(rng, 1.03**k) for k in (0, 1, 5, 6)]) for _ in range(20)]
+    seen = [crept([night(rng, 1.03**k) for k in (0, 1, 5, 6)]) for _ in range(20)]
     assert sum(any((row.engine, row.sense) == ("a", "worse") for row in rows) for rows in seen) >= 19
 
 
 def test_one_noisy_night_is_not_told_against_those_before_it() -> None:
     """Nor one that all later ones are compared with."""
     rng = np.random.default_rng(5)
-    assert not told([night(rng), night(rng), night(rng), night(rng, 1.2)])
-    assert not told([night(rng, 1.2), night(rng), night(rng), night(rng)])
+    assert not crept([night(rng), night(rng), night(rng), night(rng, 1.2)])
+    assert not crept([night(rng, 1.2), night(rng), night(rng), night(rng)])

@@ -12,6 +12,7 @@ from typing import Any
 
 import pytest
 
+from plumbline.harness.cli import nightly_command
 from plumbline.harness.history import night_policy
 from plumbline.harness.history.blocks import last_to_see
 from plumbline.harness.history.changes_since import EARLIER, News
@@ -340,3 +341,19 @@ def test_what_is_asked_under_other_names_is_compared_by_what_it_asks(root: Path)
     assert worse(news) == {("verdict", "friction_stop")}
     assert news is not None
     assert news.changes.matched == CELLS
+
+
+def test_a_gate_takes_an_engine_by_the_words_of_the_option_engine(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(nightly_command, "chosen_engines", lambda *_: {"mujoco 3.3.0": plugins.adapter("mujoco")})
+    words: dict[str, Any] = {"engines": ("mujoco==3.3.0",), "globs": ("flight_projectile",), "keep": "none", "agreed": False}
+    for gated in ("mujoco==3.3.0", "mujoco 3.3.0"):
+        assert nightly_command._asked(study="quick", gated=(gated,), **words).gated == ("mujoco 3.3.0",)
+
+
+def test_a_gate_on_an_engine_that_a_budget_left_out_altogether_fails(root: Path) -> None:
+    """Else a machine that is always too slow would pass every night."""
+    with planted():
+        _, news, account = night(root, asked(LOOK, budget=0.01))
+    assert news is None
+    assert account["outcomes"] == {}
+    assert reasons(news, account, ("reference",), 0.0) == ["no answer of this engine: reference, time was up before"]

@@ -261,7 +261,7 @@ def test_a_drift_that_no_single_night_shows_is_told_once_ends_with_one_and_is_si
     }
     assert all("over all nights, on this level since" in row["sentence"] for row in told)
     assert all("plumbline run" in row["command"] for row in told)
-    assert f"Gate (reference): {len(told)} regressions." in text
+    assert f"Gate (reference): {len(told)} regressions (" in text
     assert {one.id for one in read_trends(opened(root)).standing()} == {row["id"] for row in told}
     code, plan, text = tonight()
     assert (code, plan["told"]) == (0, [])

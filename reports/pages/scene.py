@@ -142,11 +142,12 @@ class Answer:
 def answers_of(store: Store, agreement: Agreement, seen: Sight) -> list[Answer]:
     """What the first screen says, in the order in which it is needed to act."""
     names = titles(store)
-    cannot: dict[str, str] = {}
     runs = dict.fromkeys(side.engine for side in agreement.sides if side.word not in ("cannot", "diverged"))
+    cannot: dict[str, str] = {}  # of an engine that runs on its other track, which track does not
     for side in agreement.sides:
-        if side.engine not in runs:
-            cannot.setdefault(side.engine, f"{names[side.engine]}: {side.word} ({side.why}).")
+        if side.word in ("cannot", "diverged"):
+            name = f"{names[side.engine]}, {side.track}" if side.engine in runs else names[side.engine]
+            cannot.setdefault(name, f"{name}: {side.word} ({side.why}).")
     ended = [f"Runs on {listed([names[engine] for engine in runs])}." if runs else "No engine runs it.", *cannot.values()]
     off = [side for side in agreement.sides if side.word in ("converges elsewhere", "does not converge") and not side.ours]
     turned = settings_turned(store, agreement)

@@ -27,7 +27,7 @@ WIDE, LEFT, RIGHT, ROW, TOP, FOOT = 360, 156, 258, 13, 6, 15
 """Of a picture, in its own units: its width, where its frame begins and ends, the height of a row, the room about the rows."""
 MOST = 10
 """Rows of a picture."""
-SETTING = 20
+SETTING = 18
 """Letters of a setting's name that have room beside its engine."""
 LEAST = 1e-6
 """Share of the size: what is less stands here."""
@@ -135,7 +135,11 @@ def runs_by_step(store: Store, agreement: Agreement) -> Drawn | None:
         spots = [Spot(places[r.dt], "" if r.run is not None else outcome(r.status).symbol) for r in side.limit.rungs]
         sheet.add(side.engine, side.track, spots=spots)
     ends = [(places[dt], step(dt)) for dt in dict.fromkeys((steps[0], steps[-1]))]
-    return sheet.rows("A mark: an answer at that time step.", f"Answers at {len(steps)} time steps, engine by engine", ends)
+    return sheet.rows(
+        "A mark: an answer at that time step; another sign: none.",
+        f"Answers at {len(steps)} time steps, engine by engine",
+        ends,
+    )
 
 
 def distances(store: Store, agreement: Agreement, motion: Panel | None) -> Drawn | None:
@@ -204,7 +208,8 @@ def speeds(store: Store, agreement: Agreement, best: Price | None) -> Drawn | No
         words = f"{amount(pace)}{TIMES}" + ("" if price.dt is None else f", {step(price.dt)}")
         chosen = best is not None and (price.engine, price.track) == (best.engine, best.track)
         sheet.add(price.engine, price.track, spots=[Spot(_along(pace, low, high))], words=words, strong=chosen)
-    caption = f"Times real time at {100 * WITHIN:g} % error; bold: what to set."
+    own = "" if agreement.agreed else " from its own limit, as none is agreed"
+    caption = f"Times real time at {100 * WITHIN:g} % error{own}{'; bold: what to set' * (best is not None)}."
     return sheet.rows(caption, "Speed of each engine at that error", ticks)
 
 

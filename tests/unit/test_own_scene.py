@@ -490,3 +490,15 @@ def test_verdicts_on_ladders_that_time_cut_short_say_so(gripping: Done) -> None:
     lost = replace(default.limit.rungs[-1], run=None, status="diverged")
     ended = replace(default, limit=replace(default.limit, rungs=(*default.limit.rungs[:2], lost)))
     assert replace(agreement, sides=(ended,)).cut_short == ()
+
+
+def test_a_track_that_diverged_is_told_though_its_engine_runs_on_the_other(gripping: Done) -> None:
+    (agreement,) = agreements(gripping.store)
+    default, tuned = agreement.sides
+    lost = replace(default, word="diverged", why="at every step")
+    seen = sight(gripping.store, gripping.case)
+    first, *_ = answers_of(gripping.store, replace(agreement, sides=(lost, tuned)), seen)
+    assert first.sentences == ("Runs on MuJoCo.", "MuJoCo, default: diverged (at every step).")
+    both = (lost, replace(tuned, word="diverged", why="at every step"))
+    first, *_ = answers_of(gripping.store, replace(agreement, sides=both), seen)
+    assert first.sentences == ("No engine runs it.", "MuJoCo: diverged (at every step).")

@@ -78,7 +78,8 @@ def _stopped(sides: Sequence[Side]) -> list[Side]:
             return side
         if others[0] < LONGER * side.limit.until:
             return side
-        why = f"from {side.limit.until:.3g} s on smaller steps do not draw together, others converge up to {others[0]:.3g} s"
+        since = f"from {side.limit.until:.3g} s on" if side.limit.until else "from the start on"
+        why = f"{since} smaller steps do not draw together, others converge up to {others[0]:.3g} s"
         return replace(side, word="does not converge", why=why)
 
     return [judged(side) for side in sides]

@@ -204,7 +204,7 @@ def cam_follower_gap(run: Run) -> float:
     """definition: greatest distance, or depth, between the highest point of a cam and the lowest of the follower on it, along
     its rail"""
     places = {body.name: place for place, body in enumerate(run.bodies)}
-    cams = [place for place, body in enumerate(run.bodies) if body.motion == "kinematic"]
+    cams = [number for number, body in enumerate(run.bodies) if body.motion == "kinematic"]
     rails = [joint for joint in run.scene.joints if joint.type == "prismatic"]
     if not cams or not rails:
         raise NotMeasurable(f"{len(cams)} cams, {len(rails)} followers on rails, expected some of each")

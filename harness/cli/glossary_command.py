@@ -19,6 +19,8 @@ def glossary(words: tuple[str, ...]) -> None:
         print_table("Glossary", ("word", "meaning"), [(", ".join(entry.words), entry.meaning) for entry in entries])
         return
     by_word = {word.lower(): entry for entry in entries for word in entry.words}
+    if wanted not in by_word and (form := page.WORD.fullmatch(wanted)):
+        wanted = page.house_word(form)  # 'resamples', 'remedies', as pages write them
     if wanted not in by_word:
         close = get_close_matches(wanted, by_word, cutoff=0.5)
         hint = f"; did you mean {', '.join(close)}?" if close else ""

@@ -120,9 +120,9 @@ def _menu(page: Any) -> list[str]:
 
 
 def _weights(page: Any) -> list[str]:
-    """A weight of the page on selection takes effect."""
+    """A weight of the page on selection takes effect; one criterion alone has nothing to be weighed against."""
     slider = page.query_selector("#controls input[type=range]")
-    if slider is None:
+    if slider is None or len(page.query_selector_all("#places thead small")) < 2:
         return []
     before = page.inner_text("#headline")
     slider.focus()

@@ -7,6 +7,7 @@ import pytest
 
 from plumbline.reports.html.house_words import explained
 from plumbline.reports.words.glossary import HOUSE_WORDS, WORD, glossary, house_word, linked
+from tests.conftest import Command
 from tests.links import dangling, files_of
 from tests.run_folder import write_run_folder
 
@@ -67,6 +68,12 @@ def test_every_page_of_a_report_links_each_house_word_once_to_what_it_means(tmp_
         assert sorted(anchor for anchor, _ in links(content)) == sorted(anchors[word] for word in met), name
     assert dangling(folder, files) == []
     assert "track" in {anchor for anchor, _ in links(pages["index.html"])}
+
+
+def test_the_command_knows_a_word_as_pages_write_it(printed: Command) -> None:
+    assert printed("glossary", "resamples").stdout.startswith("resample: ")
+    assert printed("glossary", "remedies").stdout == printed("glossary", "remedy").stdout
+    assert printed("glossary", "walruses").returncode == 2
 
 
 def test_the_first_of_each_word_in_prose_leads_to_its_section() -> None:

@@ -107,7 +107,11 @@ def _be_the_child(pipe: Connection, server: int) -> NoReturn:
         end_with_parent()
         if os.getppid() != server:  # it died before its death could be felt here
             os._exit(1)
-        place, sys.path[:], order = pickle.loads(pipe.recv_bytes())
+        try:
+            told = pipe.recv_bytes()
+        except EOFError:  # whoever ordered was killed meanwhile
+            os._exit(1)
+        place, sys.path[:], order = pickle.loads(told)
         os.chdir(place)
         function, arguments = pickle.loads(order)
         function(pipe, *arguments)

@@ -108,11 +108,11 @@ def _be_the_child(pipe: Connection, server: int) -> NoReturn:
         if os.getppid() != server:  # it died before its death could be felt here
             os._exit(1)
         try:
-            told = pipe.recv_bytes()
+            message = pipe.recv_bytes()
         except EOFError:  # whoever ordered was killed meanwhile
             os._exit(1)
-        place, sys.path[:], order = pickle.loads(told)
-        os.chdir(place)
+        folder, sys.path[:], order = pickle.loads(message)
+        os.chdir(folder)
         function, arguments = pickle.loads(order)
         function(pipe, *arguments)
         code = 0

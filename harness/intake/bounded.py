@@ -32,11 +32,11 @@ _LIBRARY = ctypes.CDLL(None) if sys.platform == "linux" else None
 
 def absolute(folders: Iterable[str]) -> list[str]:
     """Folders that an interpreter looks into, as one elsewhere finds them; without those of a present folder that is gone."""
-    full = []
+    paths = []
     for folder in folders:
         with suppress(FileNotFoundError):
-            full.append(str(Path(folder).absolute()))
-    return full
+            paths.append(str(Path(folder).absolute()))
+    return paths
 
 
 def named_signal(number: int) -> str:

@@ -107,8 +107,12 @@ def _be_the_child(pipe: Connection, server: int) -> NoReturn:
         end_with_parent()
         if os.getppid() != server:  # it died before its death could be felt here
             os._exit(1)
-        place, sys.path[:], order = pickle.loads(pipe.recv_bytes())
-        os.chdir(place)
+        try:
+            message = pipe.recv_bytes()
+        except EOFError:  # whoever ordered was killed meanwhile
+            os._exit(1)
+        folder, sys.path[:], order = pickle.loads(message)
+        os.chdir(folder)
         function, arguments = pickle.loads(order)
         function(pipe, *arguments)
         code = 0

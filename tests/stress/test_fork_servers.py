@@ -190,6 +190,23 @@ def test_threads_that_order_at_once_lose_nothing_to_a_server_that_is_killed(ligh
     ledger.survived("fork servers", "killed while eight threads order", "orders without an answer 0")
 
 
+def test_an_order_that_never_comes_is_no_traceback(
+    light: None, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str], ledger: Page
+) -> None:
+    """Whoever ordered was killed before it said what is to be done."""
+
+    def dies(_: object) -> bytes:
+        raise ConnectionError
+
+    monkeypatch.setattr(fork_servers.pickle, "dumps", dies)
+    process = start_process(Origin(), _sleep)
+    process.pipe.close()
+    assert process.join(60.0)
+    assert process.code == 1
+    assert "Traceback" not in capfd.readouterr().err
+    ledger.survived("fork servers", "an order that never comes", "no traceback")
+
+
 def test_a_server_of_ones_own_ends_with_its_process(light: None, ledger: Page) -> None:
     process, other = start_process(ORIGINS["its own"], _sleep), start_process(ORIGINS["apart"], _sleep)
     assert other.server != process.server

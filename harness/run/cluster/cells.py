@@ -126,7 +126,7 @@ def clock_together(trials: tuple[Trial, ...], seed: int, modules: Sequence[str] 
 
 def _taken(folder: Path, run: str) -> dict[str, bytes]:
     """The files of a cell's folder by their place; of truths, which stay here, those that are new to the run."""
-    places = [path.relative_to(folder).as_posix() for name in KEPT for path in sorted((folder / name).glob("[!.]*"))]
-    files = {place: (folder / place).read_bytes() for place in places if (run, place) not in _sent}
-    _sent.update((run, place) for place in files if place.startswith("truths/"))
+    paths = [path for name in KEPT for path in sorted((folder / name).glob("[!.]*"))]
+    files = {name: path.read_bytes() for path in paths if (run, name := path.relative_to(folder).as_posix()) not in _sent}
+    _sent.update((run, name) for name in files if name.startswith("truths/"))
     return files

@@ -61,8 +61,8 @@ def checked(function: Call) -> Call:
 
 
 def _can_be_a_name(value: "str | PathLike[str]") -> bool:
-    parts = os.fsencode(value).split(b"/")
-    return not any(b"\0" in name or len(name) > 255 for name in parts)
+    names = os.fsencode(value).split(b"/")
+    return not any(b"\0" in name or len(name) > 255 for name in names)
 
 
 def within(name: str, value: float | None, low: float, high: float) -> None:

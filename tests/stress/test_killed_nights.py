@@ -35,7 +35,7 @@ LONGEST = 240.0
 
 
 def begun(root: Path, study: Path, environment: Mapping[str, str]) -> subprocess.Popen[str]:
-    words = ["nightly", "--history", root, "--study", study, "--engine", "sound", "--engine", "hang", "--gate", "hang"]
+    words = ["nightly", "--history", root, "--study", study, "--engine", "sound", "--engine", "hang", "--gate", "sound"]
     return subprocess.Popen(
         [sys.executable, "-m", "plumbline", *map(str, words)],
         env=dict(environment) | {"PYTHONPATH": os.pathsep.join((environment["PYTHONPATH"], str(ROOT)))},

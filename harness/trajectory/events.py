@@ -280,7 +280,7 @@ def _of_joints(scene: Scene, run: Trajectory, members: Sequence[int], held: bool
         revolute = isinstance(joint, Revolute)
         kind: Kind = ("swung" if revolute else "shuttled") if swinging else "turned" if revolute else "shifted"
         yield Event(
-            body=joint.child, kind=kind, time=float(run.time[motion.begun]), value=motion.range,
+            body=joint.child, kind=kind, time=float(run.time[motion.begun]), value=motion.range if swinging else motion.gone,
             count=motion.turns if swinging else 1, other=joint.name,
         )  # fmt: skip
 

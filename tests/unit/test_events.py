@@ -297,6 +297,10 @@ def test_a_pendulum_swings_to_and_fro_until_it_only_settles() -> None:
 def test_a_joint_that_goes_one_way_turns_where_its_machine_is_held() -> None:
     overshoot = 1.5 * (1 - np.exp(-5 * TIME) * np.cos(4 * TIME))  # past its target by 2 %, which only settles
     assert named(hinged(overshoot)) == ["turned", "at rest"]
+    assert hinged(overshoot)[0].value == pytest.approx(1.5, abs=1e-4)  # to where it stops, and not to where it overshot
+    assert hinged(np.minimum(TIME, 2.0 - TIME))[0].value == pytest.approx(2.0, abs=0.02)  # out by 1 rad and back to -1
+    back = hinged(np.where(TIME < 1.5, TIME, 3.0 - TIME))[0]
+    assert (back.kind, back.value) == ("turned", pytest.approx(1.5, abs=0.02))  # out and home again
     assert named(hinged(40.0 * TIME)) == ["turned"]
     assert body_words(hinged(40.0 * TIME)) == "'bob' turns by 19.1 turns about 'hinge'"
     assert named(hinged(overshoot, held=False)) == ["at rest"]

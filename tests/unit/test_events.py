@@ -360,3 +360,14 @@ def test_the_partner_of_a_blow_is_what_is_thrown_back_and_not_the_floor_that_is_
     # A ball that bounces has left the floor as often as it does so: that is told once.
     z = np.maximum(R, R + np.abs(np.sin(4 * TIME)) * 0.3)
     assert "left the ground" not in named(happened(BALL, moved(BALL, path(z=z)), touched(z <= R + 0.02)))
+
+
+def test_what_falls_back_from_its_edge_rocks_over_and_does_not_slide() -> None:
+    """40 degrees about an edge take the centre of a cube R (sin 85 - sin 45) 2^.5 to the side: less than the turn times the
+    radius of the ball that holds it, 3^.5 R. The same turn with a metre of way is a slide."""
+    angle = math.radians(40) * np.clip(TIME / 0.3, 0.0, 1.0)
+    x = math.sqrt(2) * R * (np.sin(angle + math.pi / 4) - math.sin(math.pi / 4))
+    (rocked, rest) = happened(CUBE, moved(CUBE, path(x), about_y(angle)), ALWAYS)
+    assert (rocked.kind, rest.kind) == ("rocked", "at rest")
+    assert body_words([rocked]) == "'cube' rocks over by 40 degrees"
+    assert "slid" in named(happened(CUBE, moved(CUBE, path(np.minimum(TIME, 1.0)), about_y(angle)), ALWAYS))

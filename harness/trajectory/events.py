@@ -24,7 +24,7 @@ Booleans: TypeAlias = NDArray[np.bool_]
 
 Kind: TypeAlias = Literal[
     "passed through", "bounced", "collided", "left the ground", "fell off", "tipped", "rolled", "slid", "moved", "sank",
-    "swung", "shuttled", "turned", "shifted", "hit the stop", "at rest",
+    "rocked", "swung", "shuttled", "turned", "shifted", "hit the stop", "at rest",
 ]  # fmt: skip
 MOVED = 0.01
 """Of the size: less is no motion that an eye sees, as everywhere where engines are compared."""
@@ -42,7 +42,7 @@ STOP = 0.01
 """Of the range of a joint: so near its end it has hit the stop; of a radian or a metre where one end is open."""
 
 
-ANGLES: frozenset[Kind] = frozenset(("tipped", "swung", "turned"))
+ANGLES: frozenset[Kind] = frozenset(("tipped", "rocked", "swung", "turned"))
 """What has an angle for its value."""
 
 
@@ -238,6 +238,9 @@ def _lies_otherwise(
     turns_over = not rolled and not all(isinstance(shape, Sphere) for shape in shapes)
     if turns_over and lean[-1] > TIPPED and (touching is None or touching.any()):
         yield Event(body=name, kind="tipped", time=float(time[np.flatnonzero(lean <= TIPPED)[-1]]), value=float(lean[-1]))
+    elif turns_over and alone and lean[-1] > TURNED and MOVED * size < away <= lean[-1] * size / 2:
+        first = int(np.flatnonzero(lean > TURNED)[0])
+        yield Event(body=name, kind="rocked", time=float(time[first]), value=float(lean[-1]))
     elif away > MOVED * size and on.mean() > AT_END:
         begun = np.flatnonzero(np.linalg.norm(path - (path @ up)[:, None] * up, axis=1) > MOVED * size)
         kind: Kind = "rolled" if rolled else "slid" if alone else "moved"
@@ -280,7 +283,7 @@ def _of_joints(scene: Scene, run: Trajectory, members: Sequence[int], held: bool
         revolute = isinstance(joint, Revolute)
         kind: Kind = ("swung" if revolute else "shuttled") if swinging else "turned" if revolute else "shifted"
         yield Event(
-            body=joint.child, kind=kind, time=float(run.time[motion.begun]), value=motion.range,
+            body=joint.child, kind=kind, time=float(run.time[motion.begun]), value=motion.range if swinging else motion.gone,
             count=motion.turns if swinging else 1, other=joint.name,
         )  # fmt: skip
 

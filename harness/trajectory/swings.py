@@ -12,11 +12,13 @@ COUNTS = 0.1
 
 @dataclass(frozen=True, slots=True)
 class Swing:
-    """Terms: turns: how often it turned round. range: between its ends, in the unit of the coordinate. begun: the sample at
-    which it had first moved by the least that counts."""
+    """Terms: turns: how often it turned round. range: between its ends, in the unit of the coordinate; gone: from its start to
+    where it stops, or all of the range where it comes back by more than half of that. begun: the sample at which it had first
+    moved by the least that counts."""
 
     turns: int
     range: float
+    gone: float
     begun: int
 
 
@@ -33,4 +35,5 @@ def swing(x: Floats, least: float) -> Swing | None:
             turns, rising, low = turns + (rising is True), False, value
         elif rising is not True and value - low > back:
             turns, rising, high = turns + (rising is False), True, value
-    return Swing(turns, span, int(np.flatnonzero(np.abs(x - x[0]) > least)[0]))
+    net = float(abs(x[-1] - x[0]))
+    return Swing(turns, span, net if net > span / 2 else span, int(np.flatnonzero(np.abs(x - x[0]) > least)[0]))

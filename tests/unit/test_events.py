@@ -307,6 +307,10 @@ def test_a_pendulum_swings_to_and_fro_until_it_only_settles() -> None:
 def test_a_joint_that_goes_one_way_turns_where_its_machine_is_held() -> None:
     overshoot = 1.5 * (1 - np.exp(-5 * TIME) * np.cos(4 * TIME))  # past its target by 2 %, which only settles
     assert named(hinged(overshoot)) == ["turned", "at rest"]
+    assert hinged(overshoot)[0].value == pytest.approx(1.5, abs=1e-4)  # to where it stops, and not to where it overshot
+    assert hinged(np.minimum(TIME, 2.0 - TIME))[0].value == pytest.approx(2.0, abs=0.02)  # out by 1 rad and back to -1
+    back = hinged(np.where(TIME < 1.5, TIME, 3.0 - TIME))[0]
+    assert (back.kind, back.value) == ("turned", pytest.approx(1.5, abs=0.02))  # out and home again
     assert named(hinged(40.0 * TIME)) == ["turned"]
     assert body_words(hinged(40.0 * TIME)) == "'bob' turns by 19.1 turns about 'hinge'"
     assert named(hinged(overshoot, held=False)) == ["at rest"]
@@ -366,3 +370,14 @@ def test_the_partner_of_a_blow_is_what_is_thrown_back_and_not_the_floor_that_is_
     # A ball that bounces has left the floor as often as it does so: that is told once.
     z = np.maximum(R, R + np.abs(np.sin(4 * TIME)) * 0.3)
     assert "left the ground" not in named(happened(BALL, moved(BALL, path(z=z)), touched(z <= R + 0.02)))
+
+
+def test_what_falls_back_from_its_edge_rocks_over_and_does_not_slide() -> None:
+    """40 degrees about an edge take the centre of a cube R (sin 85 - sin 45) 2^.5 to the side: less than the turn times the
+    radius of the ball that holds it, 3^.5 R. The same turn with a metre of way is a slide."""
+    angle = math.radians(40) * np.clip(TIME / 0.3, 0.0, 1.0)
+    x = math.sqrt(2) * R * (np.sin(angle + math.pi / 4) - math.sin(math.pi / 4))
+    (rocked, rest) = happened(CUBE, moved(CUBE, path(x), about_y(angle)), ALWAYS)
+    assert (rocked.kind, rest.kind) == ("rocked", "at rest")
+    assert body_words([rocked]) == "'cube' rocks over by 40 degrees"
+    assert "slid" in named(happened(CUBE, moved(CUBE, path(np.minimum(TIME, 1.0)), about_y(angle)), ALWAYS))

@@ -7,6 +7,7 @@ Source: Hall, Fun with Stacking Blocks, Am. J. Phys. 73 (2005) 1107.
 """
 
 from plumbline.harness.case import Axis, Case, Check, FloatCount, NotNegative, Parameters
+from plumbline.harness.case.symmetries import Retelling, other_starts
 from plumbline.harness.metrics import contacts, statics
 from plumbline.harness.scene import Body, Box, Effect, Scene, Surface
 
@@ -47,6 +48,11 @@ def scene(p: P) -> Scene:
     return Scene(bodies=tuple(bodies), surfaces=laws, narrow=Effect.GYROSCOPIC)
 
 
+def retellings(p: P) -> tuple[Retelling, ...]:
+    """Whether what stands a hundredth beside its limit falls may hang on the last bits of where all stood."""
+    return other_starts(scene(p))
+
+
 CASE = Case.of(
     globals(),
     title="Bricks over an edge",
@@ -60,7 +66,7 @@ CASE = Case.of(
             statics.overhang_limit_error,
             0.01,
             "the stacks next to the limit stand 2 % to both sides; if they are told apart the middle is the limit, and "
-            "if not, the next bracket's lies 1.5 % off",
+            "if not, the next bracket's lies 1.5 % off; judged is the middle of eight starts that nobody could tell apart",
         ),
     ),
     observe=(contacts.penetration,),

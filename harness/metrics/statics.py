@@ -276,7 +276,9 @@ def overhang_limit_error(run: Run) -> float:
 
 
 def _overhang_limit(run: Run, stacks: Sequence[tuple[float, list[int]]], p_WB: Floats) -> float:
-    """The limit over the true one, from where the bodies are in the end (n, 3) m."""
+    """The limit over the true one, from where the bodies are in the end (n, 3) m; infinite where a start diverged."""
+    if not np.isfinite(p_WB).all():
+        return math.inf
     # Where all stand the limit is taken for at least twice the longest; where all fall, for half of the shortest.
     fates = []
     for overhang, bricks in stacks:

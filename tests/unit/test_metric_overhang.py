@@ -1,6 +1,7 @@
 """The overhang metric on stacks that stand and fall by hand."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -50,6 +51,17 @@ def test_the_middle_of_the_bracket_is_the_limit_found(fallen: set[int], middle: 
 
 def test_a_brick_that_settles_by_less_than_half_its_thickness_has_not_fallen() -> None:
     assert overhang_limit_error(stage(), run({1, 2, 3}, sunk=0.04)) == overhang_limit_error(stage(), run(set()))
+
+
+@pytest.mark.parametrize(("others", "middle", "one_diverged"), [(4, 0.05, 0.2), (3, 0.2, 0.35)])
+def test_of_eight_starts_the_middle_one_counts(others: int, middle: float, one_diverged: float) -> None:
+    """The own start and `others` miss by .05, the rest by .35; what diverges counts as farther off than all."""
+    fates = [{2, 3}] * others + [{3}] * (7 - others)
+    starts = {f"start_{number}/p_WB": run(fallen).p_WB for number, fallen in enumerate(fates, start=1)}
+    told = replace(run({2, 3}), streams=starts)
+    assert overhang_limit_error(stage(), told) == pytest.approx(middle)
+    starts["start_1/p_WB"][-1] = math.nan
+    assert overhang_limit_error(stage(), told) == pytest.approx(one_diverged)
 
 
 @pytest.mark.parametrize("bad", [math.nan, math.inf])

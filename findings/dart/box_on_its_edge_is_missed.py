@@ -10,7 +10,7 @@
 # documented = "The detector supports boxes. ODE holds two boxes for apart where they are so along the cross product of two edges, also where that product is what rounding leaves of parallel ones."
 # sources = [
 #   "Open Dynamics Engine, ode/src/box.cpp: dBoxBox, which returns for |expr1| - expr2 > 0 before it looks at the length of the axis",
-#   "https://github.com/bepu/bepuphysics1/issues/13: the same in another engine",
+#   "https://github.com/bepu/bepuphysics1/issues/13",
 # ]
 # mend = "CollisionDetectorType.BULLET, FCL or DART; or turn each box's shape by an angle of its own of 1e-12 rad"
 # cases = []

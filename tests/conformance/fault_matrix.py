@@ -19,6 +19,7 @@ from plumbline.harness.case import Case
 from plumbline.harness.scene import Scene
 from plumbline.harness.study import plugins
 from plumbline.harness.trajectory import Trajectory
+from plumbline.reports.words.glossary import linked
 from tests.conformance.put import put
 from tests.fresh_faults import faults
 from tests.planted_faults import FAULTS, Fault
@@ -179,7 +180,7 @@ def head() -> str:
     for fault in FAULTS:
         namers = ", ".join(f"`{name}`" for name in fault.seen_by or fault.cases)
         rows.append(f"| {fault.words} | `{fault.name}` | {namers} |")
-    return HEAD.format(count=len(FAULTS), rows="\n".join(rows), **thought_out())
+    return linked(HEAD.format(count=len(FAULTS), rows="\n".join(rows), **thought_out()), "glossary.md")
 
 
 def page() -> Iterator[str]:

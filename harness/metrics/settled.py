@@ -1,21 +1,11 @@
 """In how many of several starts, which differ by less than anybody can build, all bodies have come to rest."""
 
-import re
-
 import numpy as np
 
 from plumbline.harness.metric import NotMeasurable, Run
 from plumbline.harness.metric.series import proportion
+from plumbline.harness.metric.starts import other_starts
 from plumbline.harness.scene import EARTH_GRAVITY
-from plumbline.harness.trajectory import Floats
-
-START = "start_"
-"""The streams of another start are named so, with its number: 'start_3/v_WB'."""
-
-
-def other_starts(run: Run, of: str) -> list[Floats]:
-    """A stream of each other start, 'p_WB' (k, n, 3) m say."""
-    return [stream for name, stream in run.actual.streams.items() if re.fullmatch(rf"{START}\d+/{of}", name)]
 
 
 def _rested(run: Run) -> tuple[int, int]:

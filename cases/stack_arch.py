@@ -101,16 +101,12 @@ def scene(p: P) -> Scene:
 expected = resting(scene)
 """Rest, as it is above the least thickness."""
 
-CASE = Case(
-    name="stack_arch",
+CASE = Case.of(
+    globals(),
     title="An arch of voussoirs",
     question="Does a semicircular arch of loose blocks stand, whose ring is twice as thick as the least that statics allows?",
     source="Milankovitch, Z. Math. Phys. 55 (1907) 1; Heyman, Int. J. Mech. Sci. 11 (1969) 363",
     truth="rest",
-    scene=scene,
-    expected=expected,
-    parameters=P(),
-    duration=DURATION,
     with_contacts=True,
     steady=SETTLED,
     hard=Axis(parameter="thickness", unit="1", easy=0.3, extreme=0.1),

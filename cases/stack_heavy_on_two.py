@@ -52,17 +52,12 @@ def retellings(p: P) -> tuple[Retelling, ...]:
     return other_starts(scene(p))
 
 
-CASE = Case(
-    name="stack_heavy_on_two",
+CASE = Case.of(
+    globals(),
     title="A heavy box dropped on two small ones",
     question="Do two small boxes stop a box of four hundred times their mass, and then bear one half of it each?",
     source="statics: each support bears half of the load where pressures act at mid-face; plastic impact",
     truth="closed form",
-    scene=scene,
-    expected=expected,
-    retellings=retellings,
-    parameters=P(),
-    duration=DURATION,
     with_contacts=True,
     steady=SETTLED,
     hard=Axis(parameter="ratio", unit="1", easy=1, extreme=1e6),

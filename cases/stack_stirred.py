@@ -6,7 +6,7 @@ What has been stirred lies in no packing that anybody chose: contacts come and g
 import numpy as np
 
 from plumbline.harness.case import Case, Check, FloatCount, NotNegative, Parameters
-from plumbline.harness.case.bounds import settles_from_most_starts, stays_finite
+from plumbline.harness.case.bounds import settles_from_most_starts
 from plumbline.harness.case.forces import Control
 from plumbline.harness.case.symmetries import Retelling, other_starts
 from plumbline.harness.metrics import jitter, overlaps
@@ -67,20 +67,14 @@ def retellings(p: P) -> tuple[Retelling, ...]:
     return other_starts(scene(p), control(p))
 
 
-CASE = Case(
-    name="stack_stirred",
+CASE = Case.of(
+    globals(),
     title="A heap stirred and left",
     question="Does a heap of balls and cubes that was stirred come to rest, whole and in its container?",
     source="dissipation: once nothing stirs, friction and inelastic impacts take what motion there is",
     truth="conservation",
-    scene=scene,
-    control=control,
-    retellings=retellings,
-    parameters=P(),
-    duration=DURATION,
     ladder=(1 / 60, 1 / 120, 1 / 240, 1 / 360, 1 / 480, 1 / 960),
     checks=(
-        stays_finite("every number of every sampled state has to be finite"),
         Check(
             overlaps.inscribed_overlap,
             HALF,
@@ -89,6 +83,5 @@ CASE = Case(
         settles_from_most_starts(SETTLED, "heaps that come to rest"),
     ),
     observe=(jitter.rms_spin, jitter.rest_drift),
-    headline="inscribed_overlap",
     scale=HALF,
 )

@@ -31,7 +31,6 @@ from plumbline.harness.metrics.contacts import (
     signorini_residual,
     support_force_error,
 )
-from plumbline.harness.metrics.errors import divergence
 from plumbline.harness.metrics.jitter import rms_speed
 from plumbline.harness.metrics.settled import settled_share_high
 from plumbline.harness.scene import EARTH_GRAVITY
@@ -47,11 +46,6 @@ SOLVED = 1e-4
 _ROOT = "1e-4: a solver that stops at an improvement of 1e-8 of a cost that is quadratic in its residual"
 SPRING_STEPS = 10
 """How long an impact lasts that is a spring's half period [steps]."""
-
-
-def stays_finite(because: str) -> Check:
-    """Every number of every sampled state is finite, for a reason in words."""
-    return Check(divergence, 0.0, because)
 
 
 def stands(duration: float, what: str) -> Check:

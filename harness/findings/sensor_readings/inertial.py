@@ -3,7 +3,7 @@
 Where the law also turns or stretches the signal, so is the ideal signal before it is taken off: a triad turned by a rotation
 reads the inverse rotation of a vector, and the scale error stretches what it reads.
 
-Source: IEEE Std 952-1997, annex C; see `harness.metrics.inertial_noise` and `harness.metrics.inertial_noise`.
+Source: IEEE Std 952-1997, annex C; see `harness.metrics.inertial_noise`.
 """
 
 from dataclasses import dataclass

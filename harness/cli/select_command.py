@@ -210,8 +210,8 @@ def _print(store: "Store", answer: "Answer", preset: str) -> None:
             first = "-" if answer.alone else percent(entry.first)
             track = evidence.tracks[entry.engine]
             rows.append([entry.number, called(entry.engine), track, first, *figures, score, *shares])
-        asked = f"{100 * answer.wish.max_error:g} % error asked for{f' by preset {preset}' if preset else ''}"
-        print_table(f"{asked}; scores 0 to 1, in brackets the cases that count", columns, rows)
+        heading = f"{100 * answer.wish.max_error:g} % error asked for{f' by preset {preset}' if preset else ''}"
+        print_table(f"{heading}; scores 0 to 1, in brackets the cases that count", columns, rows)
         for sentence in COLUMN_WORDS:
             say(sentence)
     for drop in answer.dropped:

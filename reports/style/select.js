@@ -84,8 +84,10 @@
       const mixed = weights.map((weight) => weight * Math.exp(doubt * normal(random)));
       const found = scores(left, known, moved, drawn, mixed), best = Math.max(...found);
       const leaders = found.filter((s) => s >= best - EQUAL).length;
-      found.forEach((s, a) => s >= best - EQUAL && (first[a] += 1 / leaders / draws));
+      found.forEach((s, a) => s >= best - EQUAL && (first[a] += 1 / leaders));
     }
+    // Divided once, as rank.py does: a sum of shares would round another way, and 67.5 % be another whole number.
+    for (const a of first.keys()) first[a] /= draws;
     const names = left.map((e) => wish.purpose.engines[e].name);
     const order = left.map((_, a) => a).sort((a, b) => first[b] - first[a] || middle[b] - middle[a] || (names[a] < names[b] ? -1 : 1));
     return { places: order.map((a) => ({ engine: left[a], column: a, score: middle[a], first: first[a] })), known };

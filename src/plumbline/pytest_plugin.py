@@ -70,10 +70,10 @@ class _Listener:
 
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
         """What failed, or failed again as the file before this one says; what its adapter declares is no news."""
-        known, text = getattr(report, "wasxfail", ""), str(report.longrepr or "")
-        again = report.skipped and known.startswith(_KNOWN)
+        expected, text = getattr(report, "wasxfail", ""), str(report.longrepr or "")
+        again = report.skipped and expected.startswith(_KNOWN)
         if report.nodeid.startswith("plumbline::") and (again or (report.failed and not text.startswith("[XPASS"))):
-            why = known.removeprefix(_KNOWN) if again else text.strip().splitlines()[-1]
+            why = expected.removeprefix(_KNOWN) if again else text.strip().splitlines()[-1]
             self._failed[report.nodeid] = " ".join(why.replace("#", "no. ").split())[:160]
 
     def pytest_sessionfinish(self, session: pytest.Session, exitstatus: int) -> None:

@@ -24,7 +24,7 @@ SENTENCES: Mapping[str, str] = {
 }
 """What the first sentence can be, and what follows it; the script of the page on selection fills in the same ones."""
 COLUMN_WORDS = (
-    f"First in: how often an engine leads when cases, timings and weights are drawn anew {DRAWS} times; places go by it.",
+    f"First in: the share of {DRAWS} resamples (cases, timings and weights drawn anew) in which it leads; places go by it.",
     "Passes: cases with no more than the error asked for, and every other check held.",
     "Speed: times real time, the geometric mean over the cases in which the engines have one. Error: that of the median case, "
     "in % of its scale.",

@@ -41,8 +41,7 @@ def findings(
     asked: str | None, run: bool, issue: bool, report: str | None, out: Path, as_json: bool, python: Path | None
 ) -> None:
     """Known bugs and pitfalls of ENGINE, as scripts in the vendor's own API."""
-    from plumbline.harness.findings.vendor.finding import FindingError
-    from plumbline.harness.findings.vendor.shelf import chosen, shelf
+    from plumbline.harness.findings.vendor.finding import FindingError, chosen, shelf
 
     try:
         every = shelf()

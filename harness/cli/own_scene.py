@@ -72,7 +72,7 @@ def closing_words(store: "Store") -> list[str]:
     """The sentences: the verdicts on all engines, what a per cent of error costs, then what of the scene's effects it needs."""
     from plumbline.harness.findings.agreement import agreements
     from plumbline.harness.findings.agreement.costs import best_setting, cost_words
-    from plumbline.harness.findings.recorded_robot import joint_errors, recorded_words
+    from plumbline.harness.findings.tables.recorded import joint_errors, recorded_words
 
     verdicts, effects = (table.sentences(table.rows(store)) for table in map(tables.table, ("agreement", "effects")))
     best = [f"Set: {words}" for agreement in agreements(store) if (words := best_setting(store, agreement))]

@@ -9,7 +9,7 @@ import pandas as pd
 
 from plumbline.harness.case import Axis
 from plumbline.harness.findings.once import once
-from plumbline.harness.findings.variant_of import STEP, differing, in_words
+from plumbline.harness.findings.parameter_words import STEP, differing, in_words
 from plumbline.harness.search.along_axis import Point, unchanged
 from plumbline.harness.search.first_break import BROKE, Bracket, Ruler, bracket
 from plumbline.harness.store.notices import StoredNotice

@@ -1,9 +1,12 @@
-"""What a case's parameter is called where people read of it, and its unit: a name like `n` says nothing outside of its case."""
+"""Parameters in words: what tells a scene from its case as it is, and what a parameter is called where people read of it, with
+its unit, since a name like `n` says nothing outside of its case.
+"""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
-from plumbline.harness.findings.variant_of import STEP
+STEP = "dt"
+"""The name that a time step [s] stands by among parameters."""
 
 
 class Counted(NamedTuple):
@@ -115,3 +118,30 @@ def _words_of(case: str, parameter: str) -> Counted | Measured | None:
 def _unit_of(case: str, parameter: str) -> str:
     words = _words_of(case, parameter)
     return words.unit if isinstance(words, Measured) else "1"
+
+
+def differing(given: Iterable[Mapping[str, Any]], own: Mapping[str, Any]) -> list[str]:
+    """The parameters that differ from the case's own values in one of these scenes at least; never the seed."""
+    scenes = list(given)
+    names = dict.fromkeys(name for scene in scenes for name in scene if name != "seed")
+    return [name for name in names if any(scene.get(name) != own.get(name) for scene in scenes)]
+
+
+def other_values(given: Mapping[str, Any], own: Mapping[str, Any]) -> dict[str, Any]:
+    """What one scene was given in place of the case's own values, by name."""
+    return {name: given[name] for name in differing([given], own)}
+
+
+def in_words(values: Mapping[str, Any] | Sequence[tuple[str, Any]]) -> str:
+    """'wall thickness 0.01, continuous on, dt 1/240 s'; nothing for a case as it is."""
+    pairs = values.items() if isinstance(values, Mapping) else values
+    return ", ".join(
+        f"{name} 1/{1 / value:.4g} s" if name == STEP else f"{_words(name)} {_words(value)}" for name, value in pairs
+    )
+
+
+def _words(value: Any) -> str:
+    """A name or a value: switches are on or off, and names are words."""
+    if isinstance(value, bool):
+        return "on" if value else "off"
+    return value.replace("_", " ") if isinstance(value, str) else str(value)

@@ -23,10 +23,10 @@ import pandas as pd
 
 from plumbline.harness.findings.agreement import errors_of
 from plumbline.harness.findings.cost_point import Point, foreseen
+from plumbline.harness.findings.parameter_words import in_words, other_values
 from plumbline.harness.findings.samples import Block, samples_by_block
 from plumbline.harness.findings.search_effort import Effort, Ended, efforts
 from plumbline.harness.findings.steps_taken import substeps_of
-from plumbline.harness.findings.variant_of import in_words, other_values
 from plumbline.harness.statistics.bootstrap import drawn_in_groups, interval_of_drawn, medians, widening
 from plumbline.harness.statistics.pareto import on_front, price, prices_of_draws
 from plumbline.harness.store.rows import records

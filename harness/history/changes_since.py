@@ -11,7 +11,7 @@ from typing import Any
 
 from plumbline.harness.findings.changes import Change, Changes, Judged, compare
 from plumbline.harness.findings.changes.matching import where_of
-from plumbline.harness.findings.changes.weights import heaviest_first
+from plumbline.harness.findings.changes.values import heaviest_first
 from plumbline.harness.history.blocks import Key, SeenCell, cell_of, seen_cells
 from plumbline.harness.history.folder import Night
 from plumbline.harness.history.identity import Named, change_id, silenced

@@ -4,8 +4,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from plumbline.harness.findings.limits_found import CONSTANT, Search
-from plumbline.harness.findings.parameter_words import axis_title
-from plumbline.harness.findings.variant_of import STEP, in_words
+from plumbline.harness.findings.parameter_words import STEP, axis_title, in_words
 from plumbline.harness.store.store import Store
 from plumbline.reports.charts.figure import Figure
 from plumbline.reports.charts.grammar import Row, chart, hovering

@@ -13,7 +13,7 @@ from plumbline.reports.charts.figure import Figure, thin
 from plumbline.reports.charts.grammar import Row, channel, chart, fixed, hovering
 from plumbline.reports.charts.marks import LANE, POINT, TRACKS, Marks, decades, finished, lane_names, lane_texts, logarithmic
 from plumbline.reports.charts.palette import looks
-from plumbline.reports.tables.priced_scenes import Scene, scenes
+from plumbline.reports.tables.price_list import Scene, scenes
 from plumbline.reports.words.catalogue import case_file, engines, labels, titled
 from plumbline.reports.words.status import outcome
 from plumbline.reports.words.text import TIMES, amount, duration, power, step, visible

@@ -20,12 +20,10 @@ from plumbline.reports.html.template import fill
 from plumbline.reports.page import Page, Rendered
 from plumbline.reports.pictures.case_pictures import sight, thumbnails
 from plumbline.reports.recordings.layout import file_name
+from plumbline.reports.tables.engine_summary import leads
 from plumbline.reports.tables.own_scenes import by_case
-from plumbline.reports.tables.price_list import price_list
-from plumbline.reports.tables.priced_scenes import scenes
-from plumbline.reports.tables.reference_leads import leads
-from plumbline.reports.tables.trial_results import answers
-from plumbline.reports.tables.trial_rows import as_csv, in_order, is_file, listed, measured_of, metrics_of, trial
+from plumbline.reports.tables.price_list import price_list, scenes
+from plumbline.reports.tables.trial_results import answers, as_csv, in_order, is_file, listed, measured_of, metrics_of, trial
 from plumbline.reports.tables.verdicts import verdicts
 from plumbline.reports.words.altered_parameters import departures
 from plumbline.reports.words.catalogue import FAMILIES, case_file, cases, engines, setting_words, tracks

@@ -22,8 +22,7 @@ from plumbline.reports.html.template import fill
 from plumbline.reports.page import Page, Rendered
 from plumbline.reports.tables.csv import sheet
 from plumbline.reports.tables.limit_table import standings
-from plumbline.reports.tables.price_list import SHOWN, price_list, tried, wins
-from plumbline.reports.tables.priced_scenes import scenes
+from plumbline.reports.tables.price_list import SHOWN, price_list, scenes, tried, wins
 from plumbline.reports.words.catalogue import ours
 from plumbline.reports.words.text import power
 

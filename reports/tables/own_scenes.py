@@ -7,7 +7,7 @@ from plumbline.harness.findings.agreement import Agreement, agreements, omission
 from plumbline.harness.findings.agreement.happened import end_words, happened_words, happenings
 from plumbline.harness.findings.agreement.setting_causes import cause_words, settings_turned
 from plumbline.harness.findings.agreement.words import present_words, scene_words, side_words
-from plumbline.harness.findings.recorded_robot import joint_errors, recorded_words
+from plumbline.harness.findings.tables.recorded import joint_errors, recorded_words
 from plumbline.harness.store.store import Store
 from plumbline.reports.words.catalogue import engines
 from plumbline.reports.words.status import FINITE, VERDICTS, Outcome, outcome

@@ -1,18 +1,24 @@
-"""The price list as people read it: a row for each scene and error, a column for each engine."""
+"""The price list as people read it: a row for each scene and error, a column for each engine; and the scenes in which something
+was clocked that has an error.
+"""
 
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import NamedTuple
 
+import pandas as pd
+
+from plumbline.harness.findings.cost_point import Point
 from plumbline.harness.findings.emulations import share_in_words, whose
 from plumbline.harness.findings.leads import cheapest
-from plumbline.harness.findings.prices import PER_SECOND, Price, priced
+from plumbline.harness.findings.prices import PER_SECOND, Price, priced, unit_of
 from plumbline.harness.findings.standing import counted, standing
 from plumbline.harness.store.store import Store
 from plumbline.reports.words.catalogue import titled
 from plumbline.reports.words.disputes import disputed
-from plumbline.reports.words.text import TIMES, amount, duration, knobs, power, step
+from plumbline.reports.words.text import TIMES, amount, duration, knobs, power, slug, step
 
 SHOWN = 1e-2
 """The error that the list shows at first: every scene has a line for it."""
@@ -179,3 +185,34 @@ def wins(prices: Sequence[Price]) -> Wins:
     questions = cheapest([price for price in prices if price.engine in answered])
     counts = counted(standing(questions))
     return Wins(counts, len(questions) - sum(count for _, count in counts))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Scene:
+    """A case at one set of parameters.
+
+    Terms:
+        name: of its chart, unique in the report. unit: what costs count. points: its trials with an error and a cost;
+        silent: the rows of those that lack one or both.
+    """
+
+    case: str
+    where: str
+    name: str
+    unit: str
+    points: Sequence[Point]
+    silent: pd.DataFrame
+
+
+@lru_cache(maxsize=1)
+def scenes(store: Store) -> tuple[Scene, ...]:
+    """All scenes in which something was clocked that has an error."""
+    listed: list[Scene] = []
+    for case, where, trials in priced(store).groups():
+        points = priced(store).by_scene.get((case, where), [])
+        if any(point.clocked for point in points):
+            earlier = sum(scene.case == case for scene in listed)
+            name = f"case-{slug(case)}-price" + (f"-{earlier}" if earlier else "")
+            silent = trials[~trials["trial"].isin([point.trial for point in points])]
+            listed.append(Scene(case, where, name, unit_of(trials), points, silent))
+    return tuple(listed)

@@ -10,9 +10,8 @@ from plumbline.harness.findings.standing import leaders as first_of
 from plumbline.harness.findings.tables import determinism, effects
 from plumbline.harness.findings.tables.orders import convergences
 from plumbline.harness.store.store import Store
-from plumbline.reports.tables.engine_summary import Glance, glances
+from plumbline.reports.tables.engine_summary import NO_REASON, Glance, glances, leads
 from plumbline.reports.tables.own_scenes import by_case, summary
-from plumbline.reports.tables.reference_leads import NO_REASON, leads
 from plumbline.reports.tables.verdicts import Verdict, verdicts
 from plumbline.reports.words.catalogue import cases, compared_tracks, engines, setting_words, titles
 from plumbline.reports.words.catalogue import ours as yardsticks

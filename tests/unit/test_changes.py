@@ -16,8 +16,7 @@ from plumbline.harness.cli.main import main
 from plumbline.harness.findings.changes import Change, Changes, compare
 from plumbline.harness.findings.changes.comment import LONGEST_COMMENT, comment
 from plumbline.harness.findings.changes.files import changes_files
-from plumbline.harness.findings.changes.values import Side
-from plumbline.harness.findings.changes.weights import heaviest_first
+from plumbline.harness.findings.changes.values import Side, heaviest_first
 from plumbline.harness.findings.changes.words import command, headline, sentence
 from plumbline.harness.store.notices import StoredNotice
 from plumbline.harness.store.store import Store

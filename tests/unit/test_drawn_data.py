@@ -9,7 +9,7 @@ from plumbline.harness.statistics.order import Order
 from plumbline.reports.charts.palette import ENGINES
 from plumbline.reports.charts.work_precision import miniatures, work_precision
 from plumbline.reports.pages.case import orders
-from plumbline.reports.tables.priced_scenes import scenes
+from plumbline.reports.tables.price_list import scenes
 from tests.unit.test_prices import Priced, ladder
 
 LADDERS = {"mujoco": (1e-3, 1e-3), "dart": (3e-3, 1e-2), "bullet": (2e-4, 3e-2)}

@@ -12,9 +12,8 @@ from pathlib import Path
 
 import pytest
 
-from plumbline.harness.findings.vendor.finding import Finding, FindingError, read_finding
+from plumbline.harness.findings.vendor.finding import FOLDER, Finding, FindingError, chosen, read_finding, shelf
 from plumbline.harness.findings.vendor.issue_text import issue_text
-from plumbline.harness.findings.vendor.shelf import FOLDER, chosen, shelf
 from plumbline.harness.findings.vendor.still_there import Standing, ask, ask_all, ask_mended
 from plumbline.harness.study.plugins import names
 from tests.conftest import Command

@@ -2,8 +2,7 @@
 
 import math
 
-from plumbline.harness.findings.vendor.finding import Finding
-from plumbline.harness.findings.vendor.shelf import shelf
+from plumbline.harness.findings.vendor.finding import Finding, shelf
 from plumbline.harness.findings.vendor.still_there import SECONDS, Standing, Verdict
 from plumbline.harness.history.known_findings import asked_again, turned
 from plumbline.harness.history.sentences import summary

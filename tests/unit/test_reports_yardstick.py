@@ -8,7 +8,7 @@ import pytest
 
 from plumbline.harness.findings.tables import limits
 from plumbline.harness.store.store import Store
-from plumbline.reports.tables.reference_leads import NO_REASON, leads
+from plumbline.reports.tables.engine_summary import NO_REASON, leads
 from plumbline.reports.tables.summary import sentences
 from plumbline.reports.words.catalogue import ours
 from tests.links import texts_of

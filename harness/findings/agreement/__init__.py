@@ -1,8 +1,7 @@
 """Where engines end in a scene without a truth: each against itself, then against each other, then what stays defined
 beyond."""
 
-from plumbline.harness.findings.agreement.errors import Errors, errors_of, ways
-from plumbline.harness.findings.agreement.found import AGREED_TRUTH, agreements, scenes_to_judge
+from plumbline.harness.findings.agreement.found import AGREED_TRUTH, Errors, agreements, errors_of, scenes_to_judge, ways
 from plumbline.harness.findings.agreement.judgement import judged
 from plumbline.harness.findings.agreement.omissions import Omission, omission_words, omissions
 from plumbline.harness.findings.agreement.perturbed_starts import (

@@ -1,14 +1,19 @@
-"""What engines answer, exactly: the same bits are the same answer; others are as good, better or worse; a verdict may flip."""
+"""What engines answer, exactly: the same bits are the same answer; others are as good, better or worse; a verdict may flip.
+
+So it is between two run folders, and of a trial that was run again.
+"""
 
 import json
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Literal
 
+from plumbline.harness.adapter.promised_bits import only_here
 from plumbline.harness.findings.changes.matching import Pair, located
 from plumbline.harness.findings.changes.values import Change, Kind, Sense
 from plumbline.harness.findings.prices import LEAST
+from plumbline.harness.store.record import Record
 from plumbline.harness.store.store import Store
 from plumbline.harness.trial.ensemble import HELD
 
@@ -174,3 +179,33 @@ def _change(
     if reading is None:
         return change
     return replace(change, **{name: getattr(reading, name) for name in _OF_A_READING})
+
+
+Likeness = Literal["bit-identical", "as good", "different"]
+AS_GOOD: Likeness = "as good"
+
+
+def likeness(store: Store, then: Mapping[str, Any], now: Record, processor: str) -> Likeness:
+    """How two runs of a trial compare.
+
+    Other bits are as good where the settings promise their bits on one machine alone, this is another one, and the status and
+    each bounded metric are the same, a metric to a hundredth of its bound or of itself.
+
+    Args: then: the row of `Store.trials`. processor: of this machine.
+    """
+    if now.status != then["status"]:
+        return "different"
+    if now.trajectory_hash == then["trajectory_hash"]:
+        return "bit-identical"
+    elsewhere = store.machine.get("processor") != processor
+    measured = store.measurements[store.measurements["trial"] == then["trial"]]
+    before = {row.metric: float(row.value) for row in measured.itertuples()}
+    alike = all(
+        _alike(before.get(one.metric, math.nan), one.value, one.at_most) for one in now.measurements if one.at_most is not None
+    )
+    return AS_GOOD if elsewhere and only_here(now.resolved) and alike else "different"
+
+
+def _alike(before: float, after: float, bound: float | None) -> bool:
+    most = max(abs(before), abs(after), 0.0 if bound is None or math.isnan(bound) else abs(bound))
+    return before == after or abs(after - before) <= SHARE * most

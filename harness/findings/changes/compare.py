@@ -17,8 +17,7 @@ from plumbline.harness.findings.changes.matching import LOST, Pair, matched, sce
 from plumbline.harness.findings.changes.own_verdicts import own_verdict_changes
 from plumbline.harness.findings.changes.prices import clocked, judged_prices, price_changes
 from plumbline.harness.findings.changes.repetitions import repetition_changes
-from plumbline.harness.findings.changes.values import Change, Changes, Judged, Side
-from plumbline.harness.findings.changes.weights import heaviest_first
+from plumbline.harness.findings.changes.values import Change, Changes, Judged, Side, heaviest_first
 from plumbline.harness.store.journal import StoreError
 from plumbline.harness.store.machine_fingerprint import machine_digest
 from plumbline.harness.store.store import Store

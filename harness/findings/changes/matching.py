@@ -11,8 +11,8 @@ from pathlib import PurePath
 from typing import Any
 
 from plumbline.harness.case.own_titles import OWN
+from plumbline.harness.findings.parameter_words import in_words, other_values
 from plumbline.harness.findings.steps_taken import substeps_of
-from plumbline.harness.findings.variant_of import in_words, other_values
 from plumbline.harness.store.store import Store
 
 _ASKED = (

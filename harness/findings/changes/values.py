@@ -1,7 +1,10 @@
-"""What differs between two run folders, as typed rows: sentences are made of them in `harness.findings.changes.words`."""
+"""What differs between two run folders, as typed rows, and how much each weighs: sentences are made of them in
+`harness.findings.changes.words`.
+"""
 
+import math
 from collections.abc import Collection, Iterable, Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from typing import Literal
 
 Kind = Literal[
@@ -144,3 +147,30 @@ class Changes:
         """What of these engines is worse than before."""
         gated = set(engines)
         return tuple(row for row in self.rows if row.regression and row.engine in gated)
+
+
+_GRAVITY: tuple[tuple[Kind, Sense], ...] = (
+    ("verdict", "worse"), ("digest", "worse"), ("determinism", "worse"), ("limit", "worse"), ("error", "worse"),
+    ("price", "worse"),
+    ("verdict", "better"), ("limit", "better"), ("error", "better"), ("price", "better"), ("determinism", "better"),
+    ("price", "unconfirmed"),
+    ("version", "neither"), ("warning", "worse"), ("warning", "better"), ("warning", "neither"), ("verdict", "neither"),
+    ("settings", "neither"), ("error", "neither"), ("sources", "neither"), ("machine", "neither"), ("trials", "neither"),
+    ("limit", "within tolerance"), ("error", "within tolerance"), ("limit", "neither"), ("determinism", "neither"),
+)  # fmt: skip
+"""The gravest first: what is wrong before what is dear, what got worse before what got better, facts about engines before facts
+about the run, and what makes no difference last."""
+
+
+def heaviest_first(rows: Iterable[Change]) -> tuple[Change, ...]:
+    """The same rows with their weights, sorted."""
+    weighed = (replace(row, weight=len(_GRAVITY) - _GRAVITY.index((row.kind, row.sense)) + _size(row)) for row in rows)
+    return tuple(sorted(weighed, key=lambda row: (-row.weight, row.case, row.engine, row.track, row.dt, row.metric)))
+
+
+def _size(row: Change) -> float:
+    """Below 1 and growing with the ratio; 1/2 for a factor of two, and more for what is said of an engine as a whole."""
+    by_ratio = abs(math.log2(row.ratio)) if row.ratio is not None and 0 < row.ratio < math.inf else 0.0
+    by_count = (math.log2(row.count) / 100 if row.case else 1.0) if row.count > 1 else 0.0
+    size = by_ratio + by_count
+    return size / (1 + size) * (1 - 1e-9)

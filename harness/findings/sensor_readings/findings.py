@@ -13,6 +13,7 @@ from typing import Any
 
 import pandas as pd
 
+from plumbline.harness.findings.parameter_words import in_words, other_values
 from plumbline.harness.findings.sensor_readings.channel import RAYS, Channel, channels, rays_of
 from plumbline.harness.findings.sensor_readings.converged import converged_readings
 from plumbline.harness.findings.sensor_readings.depth import Levels, depth_levels, depth_noise
@@ -22,7 +23,6 @@ from plumbline.harness.findings.sensor_readings.lag import lag_by_law, lag_of
 from plumbline.harness.findings.sensor_readings.noise import SILENT, Noise
 from plumbline.harness.findings.sensor_readings.picture import Picture, first_picture
 from plumbline.harness.findings.sensor_readings.ranging import Histogram, range_histogram, ranging_noise
-from plumbline.harness.findings.variant_of import in_words, other_values
 from plumbline.harness.scene import Lidar, Scene
 from plumbline.harness.scene.file import parse
 from plumbline.harness.store.journal import StoreError

@@ -14,8 +14,8 @@ from typing import Any
 import pandas as pd
 
 from plumbline.harness.findings.columns import Column, Row, Table, known, names, scene
+from plumbline.harness.findings.parameter_words import in_words, other_values
 from plumbline.harness.findings.samples import Block, BlockSample, ratio_in_blocks, samples_by_block
-from plumbline.harness.findings.variant_of import in_words, other_values
 from plumbline.harness.search.better import ANSWERED, UNDER, Comparison, Question, compared, run_of
 from plumbline.harness.search.dominance import MAYBE, kept_parameters
 from plumbline.harness.statistics.ratio import Ratio

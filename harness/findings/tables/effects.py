@@ -20,8 +20,8 @@ from plumbline.harness.findings.effects_audit import (
     scenes_of,
 )
 from plumbline.harness.findings.once import once
+from plumbline.harness.findings.parameter_words import differing, in_words
 from plumbline.harness.findings.samples import Block, BlockSample, ratio_in_blocks, samples_by_block
-from plumbline.harness.findings.variant_of import differing, in_words
 from plumbline.harness.search.needless_effects import Consequence, Scale, departure, matters, scale_in, weighed
 from plumbline.harness.statistics.ratio import Ratio
 from plumbline.harness.store.store import Store

@@ -17,7 +17,7 @@ import pandas as pd
 from plumbline.harness.findings.columns import Column, Table, plain
 from plumbline.harness.findings.integrators import called
 from plumbline.harness.findings.once import once
-from plumbline.harness.findings.variant_of import in_words, other_values
+from plumbline.harness.findings.parameter_words import in_words, other_values
 from plumbline.harness.statistics.order import Order, falls_short, fit_order
 from plumbline.harness.store.store import Store
 

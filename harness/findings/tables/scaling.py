@@ -20,10 +20,9 @@ import pandas as pd
 from plumbline.harness.findings.columns import Column, Row, Table
 from plumbline.harness.findings.costs import PENETRATION, RESIDUAL, Cost, Exponent, Sweep, growth, no_worse, whole
 from plumbline.harness.findings.emulations import share_in_words
-from plumbline.harness.findings.parameter_words import called, said
+from plumbline.harness.findings.parameter_words import called, differing, other_values, said
 from plumbline.harness.findings.samples import Block, BlockSample, Clock, ratio_in_blocks, samples_by_block
 from plumbline.harness.findings.steps_taken import with_substeps
-from plumbline.harness.findings.variant_of import differing, other_values
 from plumbline.harness.statistics.order import FEWEST
 from plumbline.harness.statistics.ratio import Ratio
 from plumbline.harness.store.store import Store

@@ -16,6 +16,7 @@ from typing import Literal
 from plumbline.harness.findings.emulations import made
 from plumbline.harness.findings.tables.effects import verdicts_if_described
 from plumbline.harness.findings.vendor.finding import Finding
+from plumbline.harness.store.rows import grouped
 from plumbline.harness.store.store import Store
 
 By = Literal["effect", "finding", "emulated", "unexplained"]
@@ -59,10 +60,7 @@ _Key = tuple[str, str, By, tuple[str, ...], tuple[str, ...], str]
 
 def causes(store: Store, answers: Sequence[Answer], shelf: Sequence[Finding]) -> tuple[Cause, ...]:
     """What is declared first and what most cases fail by before the rest; a case counts once for each engine and track."""
-    passed: dict[tuple[str, str], list[Answer]] = {}
-    for answer in answers:
-        if answer.status == "passed":
-            passed.setdefault((answer.case, answer.engine), []).append(answer)
+    passed = grouped((a for a in answers if a.status == "passed"), lambda answer: (answer.case, answer.engine))
     weights = {
         (verdict.case, verdict.engine, verdict.track, effect): verdict.matters
         for verdict in verdicts_if_described(store)

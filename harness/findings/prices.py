@@ -16,6 +16,7 @@ from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import cache, cached_property, lru_cache
+from operator import attrgetter
 from typing import Any, Literal
 
 import numpy as np
@@ -29,7 +30,7 @@ from plumbline.harness.findings.search_effort import Effort, Ended, efforts
 from plumbline.harness.findings.steps_taken import substeps_of
 from plumbline.harness.statistics.bootstrap import drawn_in_groups, interval_of_drawn, medians, widening
 from plumbline.harness.statistics.pareto import on_front, price, prices_of_draws
-from plumbline.harness.store.rows import records
+from plumbline.harness.store.rows import grouped, records
 from plumbline.harness.store.store import Store
 from plumbline.harness.trajectory import Floats
 
@@ -205,10 +206,7 @@ class Prices:
     @cached_property
     def by_scene(self) -> Mapping[tuple[str, str], list[Point]]:
         """The points of each case at one set of parameters."""
-        scenes: dict[tuple[str, str], list[Point]] = {}
-        for point in self.points:
-            scenes.setdefault((point.case, point.where), []).append(point)
-        return scenes
+        return grouped(self.points, attrgetter("case", "where"))
 
     @cached_property
     def prices(self) -> tuple[Price, ...]:

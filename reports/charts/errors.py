@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
+from operator import itemgetter
 from statistics import median
 from typing import Any
 
@@ -9,7 +10,7 @@ import pandas as pd
 
 from plumbline.harness.findings.steps_taken import substeps_of
 from plumbline.harness.metric.titles import metric_title
-from plumbline.harness.store.rows import records
+from plumbline.harness.store.rows import grouped, records
 from plumbline.harness.store.store import Store
 from plumbline.reports.charts.figure import Figure, thin
 from plumbline.reports.charts.grammar import Row, channel, chart, fixed
@@ -87,7 +88,7 @@ def table(drawn: Iterable[Row], numbers: Sequence[str]) -> tuple[Sequence[str], 
 def layered(store: Store, drawn: list[Row], y_title: str, *, bounds: Sequence[Any]) -> Row:
     """Lines, ranges, points and edges over one pair of axes."""
     placed = [row for row in drawn if row["edge"] == "none"]
-    placed = [row for line in grouped(placed, ("series",)).values() for row in thin(line, "dt", "error")]
+    placed = [row for line in grouped(placed, itemgetter("series")).values() for row in thin(line, "dt", "error")]
     style = Marks(store, drawn)
     x = logarithmic("dt", STEP, ticks(drawn, "dt"))
     y = logarithmic("error", y_title, decades(row["error"] for row in placed))
@@ -124,30 +125,25 @@ def bound_line(bounds: Sequence[tuple[float, float]], x: Any, y: Any) -> Any:
 
 def outcome_lanes(drawn: Sequence[Row], x: Any, style: Marks) -> list[Any]:
     """Trials without an error, above the frame: a lane for each engine and track, a symbol where the trial would stand."""
-    silent = grouped((row for row in drawn if row["edge"] == "outcome"), ("engine", "track"))
+    silent = grouped((row for row in drawn if row["edge"] == "outcome"), itemgetter("engine", "track"))
     rows = [row | {"lane": -10 - LANE * lane} for lane, trials in enumerate(silent.values()) for row in trials]
     names = [{"lane": -10 - LANE * lane, "label": f"{engine}, {track}"} for lane, (engine, track) in enumerate(silent)]
     return [*lane_texts(rows, "symbol", x, style, style.tooltip()), *lane_names(names)]
 
 
-def grouped(rows: Iterable[Row], keys: Sequence[str]) -> Mapping[tuple[Any, ...], list[Row]]:
-    """Rows by the values of some keys, in the order they come."""
-    groups: dict[tuple[Any, ...], list[Row]] = {}
-    for row in rows:
-        groups.setdefault(tuple(row[key] for key in keys), []).append(row)
-    return groups
-
-
 def medians(placed: Iterable[Row]) -> list[Row]:
     """One point for each series and time step: medians over seeds."""
-    return [seeds[0] | {"error": median(row["error"] for row in seeds)} for seeds in grouped(placed, ("series", "dt")).values()]
+    return [
+        seeds[0] | {"error": median(row["error"] for row in seeds)}
+        for seeds in grouped(placed, itemgetter("series", "dt")).values()
+    ]
 
 
 def spans(placed: Iterable[Row]) -> list[Row]:
     """The range of the error over the seeds of one setting, where there are several."""
     return [
         seeds[0] | {"least": min(row["error"] for row in seeds), "most": max(row["error"] for row in seeds)}
-        for seeds in grouped(placed, ("series", "dt")).values()
+        for seeds in grouped(placed, itemgetter("series", "dt")).values()
         if len(seeds) > 1
     ]
 
@@ -163,7 +159,7 @@ def across_cases(
     drawn = points(store, rows)
     merged: list[Row] = []
     silent: list[Row] = []
-    for (case, _, _), trials in grouped(drawn, ("case", "engine", "track")).items():
+    for (case, _, _), trials in grouped(drawn, itemgetter("case", "engine", "track")).items():
         label = titles[case] if list(titles.values()).count(titles[case]) == 1 else f"{titles[case]} ({visible(case)[:40]})"
         numbers = [row[field] for row in trials if row[field]]
         first = max(trials, key=lambda row: outcome(row["status"]).rank) | {"case": label}
@@ -178,7 +174,7 @@ def across_cases(
     layers = [chart(merged).marked("point", **POINT).encode(x=x, y=y, **style.channels())]
     if exact := [row for row in silent if row["edge"] == "exact" and field == "error"]:
         layers.append(chart(exact).marked("point", **POINT).encode(x=fixed(0), y=y, **style.channels()))
-    beside = grouped((row for row in silent if not answered(row, field)), ("case",)).values()
+    beside = grouped((row for row in silent if not answered(row, field)), itemgetter("case")).values()
     if outcomes := [row | {"column": column} for of_case in beside for column, row in enumerate(of_case)]:
         edge = chart(outcomes).marked("text", fontSize=12, fontWeight=700, dx={"expr": "12 + 13 * datum.column"})
         shown: Row = {"text": channel("symbol:N"), "color": style.colour(), "tooltip": style.tooltip()}
@@ -189,7 +185,7 @@ def across_cases(
 
 def beside_each_other(rows: Sequence[Row], engines: Sequence[str], field: str) -> tuple[Sequence[str], Sequence[Sequence[str]]]:
     """Headings and cells of a table with a row for each case and track, a column for each engine: a number or an outcome."""
-    sides = grouped(rows, ("case", "track"))
+    sides = grouped(rows, itemgetter("case", "track"))
     cells = []
     for (case, track), mine in sides.items():
         by_engine = {row["engine"]: amount(row[field]) if row[field] is not None else row["status"] for row in mine}

@@ -2,8 +2,10 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from operator import attrgetter
 
 from plumbline.harness.findings.tables.steps import Step
+from plumbline.harness.store.rows import grouped
 from plumbline.harness.store.store import Store
 from plumbline.reports.charts.figure import Figure
 from plumbline.reports.charts.grammar import Row, channel, chart, hovering
@@ -25,11 +27,9 @@ class Allowance:
 
 def allowances(store: Store, steps: Sequence[Step]) -> list[Allowance]:
     """Steps of one scene and engine in one row, engines in their usual order within a scene."""
-    by_engine: dict[tuple[str, str, str], list[Step]] = {}
     scenes = list(dict.fromkeys((step.case, step.where) for step in steps))
     order = list(engines(store))
-    for step in sorted(steps, key=lambda step: (scenes.index((step.case, step.where)), order.index(step.engine))):
-        by_engine.setdefault((step.case, step.where, step.engine), []).append(step)
+    ordered = sorted(steps, key=lambda step: (scenes.index((step.case, step.where)), order.index(step.engine)))
     return [
         Allowance(
             case=case,
@@ -38,7 +38,7 @@ def allowances(store: Store, steps: Sequence[Step]) -> list[Allowance]:
             tracks={step.track: step for step in mine if step.track in TRACKS},
             fastest=max((step for step in mine if step.realtime), key=lambda step: step.realtime or 0.0, default=None),
         )
-        for (case, where, engine), mine in by_engine.items()
+        for (case, where, engine), mine in grouped(ordered, attrgetter("case", "where", "engine")).items()
     ]
 
 

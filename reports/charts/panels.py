@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from operator import attrgetter
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +12,7 @@ from plumbline.harness.history.regressions import Trends
 from plumbline.harness.history.series import Series
 from plumbline.harness.history.steps import Step
 from plumbline.harness.statistics.change_points import Level, levelled, levels
+from plumbline.harness.store.rows import grouped
 from plumbline.harness.trajectory import Floats
 
 
@@ -39,17 +41,13 @@ class Panel:
 
 def panels(trends: Trends) -> tuple[Panel, ...]:
     """One for each case on each engine that was clocked or has an error, in the order in which they were first seen."""
-    cells: dict[tuple[str, str], list[Series]] = {}
-    for one in trends.series:
-        cells.setdefault((one.case, one.engine), []).append(one)
+    cells = grouped(trends.series, attrgetter("case", "engine"))
     return tuple(_panel(case, engine, group, trends) for (case, engine), group in cells.items())
 
 
 def engine_panels(trends: Trends) -> tuple[Panel, ...]:
     """One for each engine as a whole."""
-    engines: dict[str, list[Series]] = {}
-    for one in trends.series:
-        engines.setdefault(one.engine, []).append(one)
+    engines = grouped(trends.series, attrgetter("engine"))
     return tuple(_panel("", engine, group, trends) for engine, group in engines.items())
 
 

@@ -1,9 +1,11 @@
 """The charts of noise against its law: Allan deviation, range errors, and depth errors over depth."""
 
 from collections.abc import Callable, Iterable, Sequence
+from operator import attrgetter
 from typing import Any
 
 from plumbline.harness.findings.sensor_readings.findings import Finding
+from plumbline.harness.store.rows import grouped
 from plumbline.harness.store.store import Store
 from plumbline.reports.charts.figure import Figure
 from plumbline.reports.charts.grammar import Row, channel, chart, hovering
@@ -18,10 +20,8 @@ LAW = "#8a93a0"
 
 def noise_charts(store: Store, findings: Iterable[Finding]) -> list[Figure]:
     """A chart for each noisy channel of each scene."""
-    groups: dict[tuple[str, str, str, str], list[Finding]] = {}
-    for finding in findings:
-        if finding.allan is not None or finding.histogram is not None or finding.levels is not None:
-            groups.setdefault((finding.case, finding.where, finding.sensor, finding.channel), []).append(finding)
+    noisy = (f for f in findings if f.allan is not None or f.histogram is not None or f.levels is not None)
+    groups = grouped(noisy, attrgetter("case", "where", "sensor", "channel"))
     return [_drawn(group)(store, group) for group in groups.values()]
 
 

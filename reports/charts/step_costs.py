@@ -1,11 +1,13 @@
 """The charts of what a step costs: its growth with the size of the scene, engine beside engine, and what the price buys."""
 
 from collections.abc import Sequence
+from operator import attrgetter
 from typing import Any
 
 from plumbline.harness.findings.costs import TELLING, Cost, Sweep, growth
 from plumbline.harness.findings.parameter_words import axis_title
 from plumbline.harness.findings.tables.scaling import Scaling
+from plumbline.harness.store.rows import grouped
 from plumbline.harness.store.store import Store
 from plumbline.reports.charts.figure import Figure
 from plumbline.reports.charts.grammar import Row, channel, chart, fixed
@@ -150,10 +152,8 @@ def standings(store: Store, scaling: Scaling) -> Figure | None:
 
 def qualities(store: Store, scaling: Scaling) -> list[Figure]:
     """Penetration against price, for the scenes in which most engines and settings have both."""
-    scenes: dict[tuple[str, str], list[Cost]] = {}
-    for row in scaling.costs:
-        if row.cpu is not None and row.penetration is not None and not row.beside:
-            scenes.setdefault((row.case, row.where), []).append(row)
+    both = (row for row in scaling.costs if row.cpu is not None and row.penetration is not None and not row.beside)
+    scenes = grouped(both, attrgetter("case", "where"))
     several = {scene: rows for scene, rows in scenes.items() if len({row.engine for row in rows}) > 1}
     richest = sorted(several, key=lambda scene: -len({row.engine for row in several[scene]}) * 1000 - len(several[scene]))
     chosen = [scene for scene in several if scene in richest[:QUALITIES]]

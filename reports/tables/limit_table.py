@@ -5,6 +5,7 @@ each condition.
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from operator import attrgetter
 from textwrap import shorten
 
 from plumbline.harness.findings.emulations import whose
@@ -12,6 +13,7 @@ from plumbline.harness.findings.leads import Lead, Reach, reaches
 from plumbline.harness.findings.limits_found import CONSTANT, Search, searches_if_described
 from plumbline.harness.findings.parameter_words import called
 from plumbline.harness.metric.titles import metric_title
+from plumbline.harness.store.rows import grouped
 from plumbline.harness.store.store import Store
 from plumbline.reports.words.catalogue import cases, engines
 from plumbline.reports.words.disputes import disputed
@@ -48,12 +50,9 @@ class Line:
 def lines(store: Store, searches: Sequence[Search]) -> list[Line]:
     """A line for each axis; what was sought for a map stands there alone."""
     on_maps = {(search.experiment, search.case) for _, group in mapped(searches) for search in group}
-    by_axis: dict[tuple[str, str, str], list[Search]] = {}
-    for search in searches:
-        if (search.experiment, search.case) not in on_maps:
-            by_axis.setdefault((search.experiment, search.case, search.where), []).append(search)
     made = []
-    for (_, case, where), group in by_axis.items():
+    beside_maps = (search for search in searches if (search.experiment, search.case) not in on_maps)
+    for (_, case, where), group in grouped(beside_maps, attrgetter("searched_along")).items():
         first = group[0]
         unit = "" if first.unit == "1" else f" {first.unit}"
         title = cases(store)[case]["title"] + (f", {where}" if where else "")
@@ -178,11 +177,9 @@ def signs(search: Search, *, why: bool = False) -> str:
 
 def mapped(searches: Sequence[Search]) -> list[tuple[str, list[Search]]]:
     """The searches of each experiment and case that ran at three or more values of one thing beside its axis, with its name."""
-    groups: dict[tuple[str, str], list[Search]] = {}
-    for search in searches:
-        groups.setdefault((search.experiment, search.case), []).append(search)
     named = [
-        (next((name for name, values in _numbers(group).items() if len(values) >= 3), ""), group) for group in groups.values()
+        (next((name for name, values in _numbers(group).items() if len(values) >= 3), ""), group)
+        for group in grouped(searches, attrgetter("experiment", "case")).values()
     ]
     return [(name, group) for name, group in named if name]
 
@@ -227,23 +224,11 @@ def limits_met(store: Store) -> list[Limit]:
     Of several settings the tuned track at the coarsest equal sub-step speaks, or as it comes where none was asked for; of axes
     that nobody breaks nothing is said.
     """
-    by_axis: dict[tuple[str, str, str], list[Search]] = {}
-    for search in searches_if_described(store):
-        if (
-            not search.remedied
-            and search.track == "tuned"
-            and search.verdict
-            not in (
-                "unsupported",
-                "unavailable",
-                "stopped",
-                CONSTANT,
-            )
-        ):
-            by_axis.setdefault(search.searched_along, []).append(search)
+    silent = ("unsupported", "unavailable", "stopped", CONSTANT)
+    tuned = (s for s in searches_if_described(store) if not s.remedied and s.track == "tuned" and s.verdict not in silent)
     best: dict[str, Limit] = {}
     yard = {name for name, engine in engines(store).items() if engine["ours"]}
-    for (_, case, where), group in by_axis.items():
+    for (_, case, where), group in grouped(tuned, attrgetter("searched_along")).items():
         parts = min((search.parts for search in group if search.parts), default=0)
         level = [search for search in group if search.parts == parts]
         reached = sorted((_reached(search) for search in level), key=lambda reached: reached.share)

@@ -8,6 +8,7 @@ limit is known, as shares of the size of what moves.
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -17,6 +18,7 @@ from plumbline.harness.findings.agreement.values import Agreement, Side
 from plumbline.harness.scene import Effect, Scene
 from plumbline.harness.scene.file import parse
 from plumbline.harness.search.own_limits import ANSWERED, ROUNDING, granted_of, own_limit, rungs_of
+from plumbline.harness.store.rows import grouped
 from plumbline.harness.store.store import Store
 from plumbline.harness.trajectory import Floats
 from plumbline.harness.trajectory.parting import NOTHING, apart, common, extent
@@ -65,9 +67,7 @@ def _finest(store: Store) -> tuple[float, float]:
 
 def _agreement(store: Store, case: str, where: str, rows: Sequence[Any]) -> Agreement:
     scene = _scene(store, rows)
-    sides: dict[tuple[str, str], list[Any]] = {}
-    for row in rows:
-        sides.setdefault((row.engine, row.track), []).append(row)
+    sides = grouped(rows, attrgetter("engine", "track"))
     scale = NOTHING if scene is None else extent(scene)
     engines = store.catalogue.get("engines", {})
     touching = scene is not None and Effect.CONTACT in scene.effects and _touching(store, rows)

@@ -29,6 +29,7 @@ from plumbline.harness.findings.changes.matching import Pair, located
 from plumbline.harness.findings.changes.values import Beside, Change, Sense
 from plumbline.harness.statistics.bootstrap import interval_of_drawn
 from plumbline.harness.statistics.student import percentile
+from plumbline.harness.store.rows import grouped
 from plumbline.harness.store.store import Store
 from plumbline.harness.trajectory import Floats, Integers
 
@@ -246,9 +247,7 @@ def _question(price: _Price) -> Hashable:
 
 def _side_by_side(others: Sequence[_Price]) -> dict[Hashable, _Neighbours]:
     """By question, where there are two prices at least; nothing where there are too few of them for a spread."""
-    asked: dict[Hashable, list[_Price]] = {}
-    for price in others:
-        asked.setdefault(_question(price), []).append(price)
+    asked = grouped(others, _question)
     steps = {question: np.array([price.step for price in prices]) for question, prices in asked.items() if len(prices) > 1}
     # About a middle of their own, n values stray by the n-th part of their variance too little.
     apart = [(of - np.median(of)) * math.sqrt(len(of) / (len(of) - 1)) for of in steps.values()]

@@ -10,6 +10,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
+from operator import attrgetter, itemgetter
 from statistics import median
 from typing import Any, TypeVar
 
@@ -22,7 +23,7 @@ from plumbline.harness.findings.steps_taken import substeps_of, substeps_taken
 from plumbline.harness.findings.tables.agreement import TABLE as AGREEMENT
 from plumbline.harness.findings.tables.determinism import agreements as repetitions
 from plumbline.harness.metric.titles import metric_title
-from plumbline.harness.store.rows import records
+from plumbline.harness.store.rows import grouped, records
 from plumbline.harness.store.store import Store
 
 DECADES_OF_ERROR, DECADES_OF_SPEED = math.log10(BEYOND), 2.0
@@ -122,19 +123,15 @@ def _of_cases(data: Mapping[_By, Datum], cases: Mapping[str, float]) -> dict[_By
 @lru_cache(maxsize=1)
 def _judged(store: Store) -> Mapping[Side, list[dict[str, Any]]]:
     """The trials that say something of an engine, with the columns `_JUDGED`, by case, engine and track."""
-    groups: dict[Side, list[dict[str, Any]]] = {}
-    for row in records(store.asked.loc[~store.asked["status"].isin(_NOT_ASKED), _JUDGED]):
-        groups.setdefault((row["case"], row["engine"], row["track"]), []).append(row)
-    return groups
+    told = store.asked.loc[~store.asked["status"].isin(_NOT_ASKED), _JUDGED]
+    return grouped(records(told), itemgetter("case", "engine", "track"))
 
 
 @lru_cache(maxsize=1)
 def _failing(store: Store) -> Mapping[str, list[dict[str, Any]]]:
     """The measurements that failed a check, by trial."""
-    measured: dict[str, list[dict[str, Any]]] = {}
-    for m in records(store.measurements[store.measurements["passed"].eq(False).fillna(False)]):
-        measured.setdefault(str(m["trial"]), []).append(m)
-    return measured
+    failed = store.measurements[store.measurements["passed"].eq(False).fillna(False)]
+    return grouped(records(failed), itemgetter("trial"))
 
 
 @lru_cache(maxsize=8)
@@ -205,21 +202,13 @@ def _limits(store: Store) -> dict[tuple[str, str], Datum]:
 
 @lru_cache(maxsize=1)
 def _determinism(store: Store) -> dict[tuple[str, str], Datum]:
-    groups: dict[tuple[str, str], list[bool]] = {}
-    trials: dict[tuple[str, str], str] = {}
-    for repetition in repetitions(store):
-        if repetition.must and repetition.verdict in ("bit-identical", "differs"):
-            key = repetition.case, repetition.engine
-            groups.setdefault(key, []).append(repetition.verdict == "bit-identical")
-            trials.setdefault(key, repetition.trial)
-    return {
-        key: Datum.of(
-            sum(same) / len(same),
-            trial=trials[key],
-            says=f"{sum(same)} of {len(same)} repetitions have the same bits",
-        )
-        for key, same in groups.items()
-    }
+    told = (each for each in repetitions(store) if each.must and each.verdict in ("bit-identical", "differs"))
+    data = {}
+    for key, mine in grouped(told, attrgetter("case", "engine")).items():
+        same = sum(each.verdict == "bit-identical" for each in mine)
+        says = f"{same} of {len(mine)} repetitions have the same bits"
+        data[key] = Datum.of(same / len(mine), trial=mine[0].trial, says=says)
+    return data
 
 
 @lru_cache(maxsize=1)

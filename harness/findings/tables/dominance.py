@@ -9,6 +9,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import lru_cache
+from operator import attrgetter
 from typing import Any
 
 import pandas as pd
@@ -19,7 +20,7 @@ from plumbline.harness.findings.samples import Block, BlockSample, ratio_in_bloc
 from plumbline.harness.search.better import ANSWERED, UNDER, Comparison, Question, compared, run_of
 from plumbline.harness.search.dominance import MAYBE, kept_parameters
 from plumbline.harness.statistics.ratio import Ratio
-from plumbline.harness.store.rows import records
+from plumbline.harness.store.rows import grouped, records
 from plumbline.harness.store.store import Store
 from plumbline.harness.study.one_knob import OPTION, Turn, turn_between
 from plumbline.harness.study.stored_study import experiments_of
@@ -90,10 +91,12 @@ def changes(store: Store) -> tuple[Change, ...]:
     """All rows of a run, those that beat the track first; worked out once for a store."""
     asked = {experiment.name: experiment for experiment in experiments_of(store) if experiment.dominance}
     samples = samples_by_block(store) if asked else {}
-    scenes: dict[str, list[Row]] = {}
-    for row in records(store.trials[store.trials["experiment"].isin(asked)]):
+
+    def scene_of(row: Row) -> str:
         kept = kept_parameters(asked[row["experiment"]], json.loads(row["parameters"]))
-        scenes.setdefault(repr((row["experiment"], row["case"], kept, row["dt"], row["engine"])), []).append(row)
+        return repr((row["experiment"], row["case"], kept, row["dt"], row["engine"]))
+
+    scenes = grouped(records(store.trials[store.trials["experiment"].isin(asked)]), scene_of)
     found = [change for scene in scenes.values() for change in _of_scene(store, scene, samples)]
     order = {DOMINATED: 0, EXCUSED: 1}
     return tuple(sorted(found, key=lambda change: order.get(change.verdict, 2)))
@@ -233,13 +236,9 @@ def _names(trade_off: Mapping[str, Any], turn: Turn | None) -> bool:
 
 def _folded(single: Sequence[Change]) -> Iterator[Change]:
     """Changes that beat the track alone; of the others one row for each thing that became of them."""
-    alike: dict[tuple[str, str], list[Change]] = {}
-    for change in single:
-        if change.verdict in (DOMINATED, EXCUSED, NOT_CLOCKED):
-            yield change
-        else:
-            alike.setdefault((change.verdict, change.reason), []).append(change)
-    for some in alike.values():
+    alone = [change for change in single if change.verdict in (DOMINATED, EXCUSED, NOT_CLOCKED)]
+    yield from alone
+    for some in grouped((each for each in single if each not in alone), attrgetter("verdict", "reason")).values():
         whole = replace(some[0], change="; ".join(change.change for change in some), count=len(some))
         if len(some) > 1:
             whole = replace(whole, held_tuned=None, held_change=None, error_ratio=None, cost=None, low=None, high=None)

@@ -9,6 +9,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import lru_cache
+from operator import itemgetter
 from statistics import median
 from typing import Any, Literal
 
@@ -19,6 +20,7 @@ from plumbline.harness.findings.integrators import called
 from plumbline.harness.findings.once import once
 from plumbline.harness.findings.parameter_words import in_words, other_values
 from plumbline.harness.statistics.order import Order, falls_short, fit_order
+from plumbline.harness.store.rows import grouped
 from plumbline.harness.store.store import Store
 
 Verdict = Literal["kept", "broken", "exact", "open", "none"]
@@ -79,11 +81,10 @@ def convergences(store: Store) -> list[Convergence]:
     trials = trials.assign(error=pd.Series(errors, index=trials.index, dtype="float64").abs()).dropna(subset="error")
     rows = []
     keys = [trials["case"], trials["parameters"].map(_seedless), trials["engine"], trials["track"]]
-    ladders: dict[tuple[str, str, str, str], list[_Rung]] = {}
     rungs = map(_Rung, trials["dt"].tolist(), trials["error"].tolist(), trials["resolved"].tolist())
-    for key, rung in zip(zip(*keys, strict=True), rungs, strict=True):
-        ladders.setdefault(key, []).append(rung)
-    for (case, parameters, engine, track), ladder in ladders.items():
+    keyed = zip(zip(*keys, strict=True), rungs, strict=True)
+    for (case, parameters, engine, track), pairs in grouped(keyed, itemgetter(0)).items():
+        ladder = [rung for _, rung in pairs]
         if len({rung.dt for rung in ladder}) >= 3:
             about = cases.get(case, {})
             where = in_words(other_values(_object(str(parameters)), about.get("parameters") or {}))
@@ -119,11 +120,9 @@ def _row(
 ) -> Convergence:
     integrators = sorted({str(_object(rung.resolved).get("integrator") or "") for rung in ladder})
     promised = _promise(about.get("converges", ""), who.get("orders", {}), integrators)
-    by_step: dict[float, list[float]] = {}
-    for dt, rung in zip(_taken(ladder), ladder, strict=True):
-        by_step.setdefault(dt, []).append(rung.error)
+    by_step = grouped(zip(_taken(ladder), ladder, strict=True), itemgetter(0))
     steps = sorted(by_step)
-    errors = [median(by_step[dt]) for dt in steps]
+    errors = [median(rung.error for _, rung in by_step[dt]) for dt in steps]
     scale, duration = float(about.get("scale") or 1.0), float(about.get("duration") or 1.0)
     fit, outcome = verdict(steps, errors, promised, scale, duration)
     by = " and ".join(map(called, integrators))

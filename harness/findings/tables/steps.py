@@ -5,6 +5,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from operator import itemgetter
 from typing import Any
 
 from plumbline.harness.findings.columns import Column, Row, Table, Titled, Titles, milli, names, scene
@@ -12,7 +13,7 @@ from plumbline.harness.findings.cost_point import Point
 from plumbline.harness.findings.prices import PER_SECOND, priced, unit_of
 from plumbline.harness.findings.standing import cheapness, is_reference, leaders
 from plumbline.harness.findings.steps_taken import step_in_words, substeps_of
-from plumbline.harness.store.rows import records
+from plumbline.harness.store.rows import grouped, records
 from plumbline.harness.store.store import Store
 
 WITHIN = 0.01
@@ -62,11 +63,8 @@ def largest_steps(store: Store) -> list[Step]:
         if not any(trial in known for trial in trials["trial"]):
             continue
         timed = unit_of(trials) == PER_SECOND
-        ladders: dict[tuple[str, str], list[Mapping[str, Any]]] = {}
-        for row in records(trials[_READ]):
-            ladder = ladders.setdefault((row["engine"], row["track"]), [])
-            ladder += [row] if row["status"] not in _NOT_RUN else []
-        for (engine, track), runs in ladders.items():
+        run = trials.loc[~trials["status"].isin(_NOT_RUN), _READ]
+        for (engine, track), runs in grouped(records(run), itemgetter("engine", "track")).items():
             if len({row["dt"] for row in runs}) >= FEWEST:
                 ladder = sorted(runs, key=lambda row: float(row["dt"]))
                 steps.append(_step(case, where, engine, track, ladder, known, timed))
@@ -122,12 +120,8 @@ def _worded(kind: str, row: Row) -> str:
 
 def _sentences(rows: Sequence[Row]) -> list[str]:
     """The fastest way to stay within one per cent, case by case, and the reference engine's beside it, not ranked."""
-    scenes: dict[str, list[Row]] = {}
-    for row in rows:
-        if row["realtime"] is not None:
-            scenes.setdefault(scene(row), []).append(row)
     lines = []
-    for name, paced in scenes.items():
+    for name, paced in grouped((row for row in rows if row["realtime"] is not None), scene).items():
         ranked = [row for row in paced if not is_reference(row["engine"])]
         first = leaders({_setting(row): cheapness(1 / row["realtime"], None, None, bound=False) for row in ranked})
         ways = [_way(row) for row in ranked if _setting(row) in first] or ["nobody to deploy"]

@@ -8,7 +8,8 @@ from typing import Literal
 import numpy as np
 import pandas as pd
 
-from plumbline.harness.statistics.ratio import Ratio, ratio
+from plumbline.harness.statistics.interval import Interval
+from plumbline.harness.statistics.ratio import ratio
 from plumbline.harness.store.rows import records
 from plumbline.harness.store.store import Store
 
@@ -46,7 +47,9 @@ def samples_by_block(store: Store) -> Mapping[str, Mapping[Block, BlockSample]]:
     return samples
 
 
-def ratio_in_blocks(cost: Mapping[Block, BlockSample], base: Mapping[Block, BlockSample], clock: Clock = "cpu") -> Ratio | None:
+def ratio_in_blocks(
+    cost: Mapping[Block, BlockSample], base: Mapping[Block, BlockSample], clock: Clock = "cpu"
+) -> Interval | None:
     """Time of a unit of one trial over that of another; None where no block sampled both."""
     both = sorted(cost.keys() & base.keys())
     if not both:

@@ -6,7 +6,8 @@ from typing import Any, TypeVar
 import pandas as pd
 from pandas.api.extensions import ExtensionDtype
 
-Item, Key = TypeVar("Item"), TypeVar("Key", bound=Hashable)
+Item = TypeVar("Item")
+Key = TypeVar("Key", bound=Hashable)
 
 
 def grouped(items: Iterable[Item], key: Callable[[Item], Key]) -> dict[Key, list[Item]]:

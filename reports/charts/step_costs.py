@@ -34,14 +34,15 @@ QUALITIES = 4
 def drawn(store: Store, row: Cost) -> Row:
     """A row for a chart, with the price in microseconds and penetration in micrometres."""
     assert row.cpu is not None
+    low, high = row.cpu.ends
     return {
         "engine": labels(store)[row.engine],
         "track": "default" if row.track == "default" else "other settings",
         "setting": visible(setting_words(store, row.engine, row.track))[:60],
         "scene": titled(store, row.case, row.where),
-        "cpu": 1e6 * row.cpu,
-        "low": 1e6 * (row.low or row.cpu),
-        "high": 1e6 * (row.high or row.cpu),
+        "cpu": 1e6 * row.cpu.value,
+        "low": 1e6 * low,
+        "high": 1e6 * high,
         "penetration": None if row.penetration is None else 1e6 * max(row.penetration, 1e-9),
         "residual": None if row.residual is None else 1e6 * row.residual,
         "status": row.status,
@@ -82,7 +83,7 @@ def growth_chart(store: Store, sweep: Sweep, index: int) -> Figure:
         mine = [row for row in sweep.rows if row.engine == engine and row.best]
         fit = growth(sweep, mine) if mine else None
         if fit is not None and fit.telling:
-            label = f"{short(labels(store)[engine])}: exponent {fit.exponent:.2f}"
+            label = f"{short(labels(store)[engine])}: exponent {fit.fit.order:.2f}"
             slopes.append(drawn(store, mine[-1]) | {"label": visible(label), "lane": 14 + LANE * len(slopes)})
     channels = style.channels() | {"tooltip": hover(("size", size))}
     layers = [

@@ -22,9 +22,7 @@ def savings_chart(store: Store, verdicts: Sequence[Verdict]) -> Figure | None:
         {
             "engine": labels(store)[verdict.engine],
             "track": verdict.track,
-            "cost": verdict.cost,
-            "low": verdict.low,
-            "high": verdict.high,
+            **dict(zip(("cost", "low", "high"), verdict.cost or (), strict=True)),
             "case": f"{cases(store)[verdict.case]['title']} {verdict.where}".strip(),
             "trial": verdict.trial,
         }

@@ -65,9 +65,9 @@ def render(store: Store) -> Mapping[str, Rendered]:
     )
     figures = [*profiles, *([largest] if largest is not None else [])]
     sheets = {
-        "price.csv": sheet(prices_table.TABLE.columns, map(asdict, prices)),
-        "profile.csv": sheet(profile_table.TABLE.columns, map(profile_table.flat, shares)),
-        "steps.csv": sheet(steps_table.TABLE.columns, map(asdict, steps)),
+        "price.csv": sheet(prices_table.TABLE.columns, map(prices_table.TABLE.flat, prices)),
+        "profile.csv": sheet(profile_table.TABLE.columns, map(profile_table.TABLE.flat, shares)),
+        "steps.csv": sheet(steps_table.TABLE.columns, map(steps_table.TABLE.flat, steps)),
     }
     return {"price.html": page} | sheets | {figure.path: figure for figure in figures}
 

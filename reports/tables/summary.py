@@ -1,7 +1,6 @@
 """The findings of a run in sentences, made from the tables alone."""
 
 from collections import Counter
-from dataclasses import asdict
 
 from plumbline.harness.findings.emulations import whose
 from plumbline.harness.findings.leads import axis_leads, reaches
@@ -57,7 +56,7 @@ def studied(store: Store) -> list[str]:
     written = []
     if sentence := farthest(store):
         written.append(sentence)
-    if rows := [asdict(verdict) for verdict in effects.verdicts_if_described(store)]:
+    if rows := [*map(effects.TABLE.flat, effects.verdicts_if_described(store))]:
         written += effects.sentences(rows, accusing=False, titles=titles(store))
     if rows := determinism.TABLE.rows(store):
         written += determinism.sentences(rows, titles(store))

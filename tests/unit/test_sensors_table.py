@@ -66,31 +66,29 @@ def test_a_clean_engine_keeps_every_law_and_a_planted_fault_breaks_its_own(store
     for sensor, channel in (("imu", "gyroscope"), ("lidar", "range"), ("depth", "depth")):
         clean, loud = (of(store, engine, sensor, channel) for engine in ("reference", "mujoco"))
         assert clean.noise.sigma_law is not None
-        assert clean.noise.sigma == pytest.approx(clean.noise.sigma_law, rel=4 / math.sqrt(2 * 4000))
-        assert loud.noise.sigma_low is not None
+        assert clean.noise.sigma is not None
+        assert clean.noise.sigma.value == pytest.approx(clean.noise.sigma_law, rel=4 / math.sqrt(2 * 4000))
+        assert loud.noise.sigma is not None
         if sensor != "depth":
-            assert loud.noise.sigma_low > 1.5 * clean.noise.sigma_law
-            assert loud.noise.sigma == pytest.approx(2 * clean.noise.sigma_law, rel=0.1)
+            assert loud.noise.sigma.ends[0] > 1.5 * clean.noise.sigma_law
+            assert loud.noise.sigma.value == pytest.approx(2 * clean.noise.sigma_law, rel=0.1)
 
 
 def test_a_share_of_lost_returns_lies_in_its_interval_and_a_biased_one_does_not(store: Store) -> None:
     clean, biased = (of(store, engine, "lidar", "range") for engine in ("reference", "mujoco"))
-    assert clean.noise.lost_low is not None
-    assert clean.noise.lost_high is not None
-    assert biased.noise.lost_low is not None
-    assert clean.noise.lost_low < 0.1 < clean.noise.lost_high
-    assert biased.noise.lost_low > 0.2
-    # Beams that meet nothing have nothing to lose: 8 of 512 in each of ten scans.
     assert clean.noise.lost is not None
-    assert clean.noise.lost * 5040 == pytest.approx(round(clean.noise.lost * 5040), abs=1e-9)
+    assert biased.noise.lost is not None
+    assert clean.noise.lost.ends[0] < 0.1 < clean.noise.lost.ends[1]
+    assert biased.noise.lost.ends[0] > 0.2
+    # Beams that meet nothing have nothing to lose: 8 of 512 in each of ten scans.
+    assert clean.noise.lost.value * 5040 == pytest.approx(round(clean.noise.lost.value * 5040), abs=1e-9)
 
 
 def test_pixels_that_got_lost_are_counted_among_those_that_could_answer(store: Store) -> None:
     depth = of(store, "reference", "depth", "depth")
     assert depth.noise.lost_law == 0.05
-    assert depth.noise.lost_low is not None
-    assert depth.noise.lost_high is not None
-    assert depth.noise.lost_low < 0.05 < depth.noise.lost_high
+    assert depth.noise.lost is not None
+    assert depth.noise.lost.ends[0] < 0.05 < depth.noise.lost.ends[1]
 
 
 def test_the_error_of_an_ideal_signal_is_the_planted_one_and_stands_beside_its_check(store: Store) -> None:
@@ -192,8 +190,10 @@ def test_a_turned_and_stretched_triad_is_taken_off_before_its_noise_is_told() ->
     turned = 1.5 * np.stack([ideal[:, 1], -ideal[:, 0], ideal[:, 2]], axis=1)
     noise = inertial_noise(_inertial(law, turned + 0.1 + 1e-2 * np.random.default_rng(6).standard_normal((4000, 3)), ideal))
     assert noise is not None
-    assert noise.sigma == pytest.approx(1e-2, rel=0.05)
-    assert noise.bias == pytest.approx(0.1, abs=4e-4)
+    assert noise.sigma is not None
+    assert noise.bias is not None
+    assert noise.sigma.value == pytest.approx(1e-2, rel=0.05)
+    assert noise.bias.value == pytest.approx(0.1, abs=4e-4)
 
 
 def test_readings_at_the_bound_are_told_and_give_no_spread() -> None:

@@ -114,7 +114,7 @@ def depth_levels(channel: Channel) -> Levels | None:
     for pixels in np.array_split(order, count):
         spread_found = float(np.sqrt(np.mean(np.square(error[pixels]))))
         expected = float(np.sqrt(np.mean(np.square(by_law[pixels]))))
-        levels.append((float(depth[pixels].mean()), spread_found, *spread_interval(spread_found, len(pixels)), expected))
+        levels.append((float(depth[pixels].mean()), *spread_interval(spread_found, len(pixels)), expected))
     return Levels(*np.array(levels).T)
 
 

@@ -15,6 +15,7 @@ from plumbline.harness.findings.sensor_readings.channel import Channel
 from plumbline.harness.findings.sensor_readings.noise import Noise, spread_interval
 from plumbline.harness.metrics.inertial_noise import expected_variance, octaves, overlapping_variance, variance_of_mean, windows
 from plumbline.harness.scene import AxisNoise, Imu
+from plumbline.harness.statistics.interval import Interval
 from plumbline.harness.statistics.proportion import Z_95
 from plumbline.harness.trajectory import Floats
 
@@ -97,10 +98,8 @@ def inertial_noise(channel: Channel) -> Noise | None:
     if not _random(law):
         return Noise(law=law_words, count=noise.size, **fields)
     variance, freedom = expected_variance(law, 1, len(noise), interval)
-    sigma = float(np.sqrt(np.mean(overlapping_variance(noise, 1))))
-    low, high = spread_interval(sigma, noise.shape[1] * freedom)
-    by_law = float(np.sqrt(variance + law.quantisation**2 / 12))
-    fields |= {"sigma": sigma, "sigma_low": low, "sigma_high": high, "sigma_law": by_law}
+    sigma = spread_interval(float(np.sqrt(np.mean(overlapping_variance(noise, 1)))), noise.shape[1] * freedom)
+    fields |= {"sigma": sigma, "sigma_law": float(np.sqrt(variance + law.quantisation**2 / 12))}
     return Noise(law=law_words, count=noise.size, **fields, **_levels(noise, law, interval))
 
 
@@ -110,7 +109,7 @@ def _bias(noise: Floats, law: AxisNoise, interval: float) -> dict[str, Any]:
     count = int(np.argmin(variances)) + 1
     mean = float(noise[:count].mean())
     width = Z_95 * float(np.sqrt(variances[count - 1] / noise.shape[1]))
-    return {"bias": mean, "bias_low": mean - width, "bias_high": mean + width, "bias_law": law.bias}
+    return {"bias": Interval(mean, mean - width, mean + width), "bias_law": law.bias}
 
 
 def _levels(noise: Floats, law: AxisNoise, interval: float) -> dict[str, Any]:

@@ -149,7 +149,7 @@ def _costs(row: Row) -> str:
 TABLE = Table(
     columns=COLUMNS,
     objects=_verdicts,
-    flat=_flat,
+    row=_flat,
     shown=(
         Column("scene", lambda row: row["case"].rsplit("/", 1)[-1]),
         *plain("engine", "track"),

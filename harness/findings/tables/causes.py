@@ -25,7 +25,7 @@ def _sentences(rows: Sequence[Row]) -> list[str]:
 TABLE = Table(
     columns=(*(field.name for field in fields(Turned)), "summary"),
     objects=_rows,
-    flat=dict,
+    row=dict,
     shown=(
         Column("scene", lambda row: row["case"].rsplit("/", 1)[-1]),
         *plain("engine", "track", "setting", "value", "towards"),

@@ -7,19 +7,19 @@ that became of them.
 import json
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from operator import attrgetter
 from typing import Any
 
 import pandas as pd
 
-from plumbline.harness.findings.columns import Column, Row, Table, known, names, scene
+from plumbline.harness.findings.columns import Column, Row, Table, names, scene
 from plumbline.harness.findings.parameter_words import in_words, other_values
 from plumbline.harness.findings.samples import Block, BlockSample, ratio_in_blocks, samples_by_block
 from plumbline.harness.search.better import ANSWERED, UNDER, Comparison, Question, compared, run_of
 from plumbline.harness.search.dominance import MAYBE, kept_parameters
-from plumbline.harness.statistics.ratio import Ratio
+from plumbline.harness.statistics.interval import Interval
 from plumbline.harness.store.rows import grouped, records
 from plumbline.harness.store.store import Store
 from plumbline.harness.study.one_knob import OPTION, Turn, turn_between
@@ -40,14 +40,13 @@ class Change:
         ours: is it the engine of this project? change: the knob and its value, or the track 'default'; several are parted by
         semicolons, `count` says how many. checks: how many the case has; held_tuned, held_change: how many of them hold, at the
         looser of both bounds. error_ratio: the change's over the track's, above the floor that `harness.search.better` says.
-        cost, low, high: CPU time over the track's, clocked in the same blocks, with the 95 % interval; low and high are None
-        for a rough cost. verdict: DOMINATED or EXCUSED if the change is better; 'no better'; 'same answer', to the last bit;
-        'changes nothing', so that it was not run: the engine resolves its settings as before; 'dearer', broken off since it
-        could win by its cost alone; 'not clocked', if it may win by its cost and the clock did not say; 'refused', or the
-        status of a run without an answer; 'reason not needed', of no change that was run, if the adapter names one that is not
-        better here. by: 'checks', 'price' or 'error', what it is better by. drawn, won: parameters that
-        were drawn and answered, and at how many of them it is better too; draws: which. reason: the adapter's, or why there is
-        no answer. trial: of the change, of the track for what was not run.
+        cost: CPU time over the track's, clocked in the same blocks; a rough one has no interval. verdict: DOMINATED or EXCUSED
+        if the change is better; 'no better'; 'same answer', to the last bit; 'changes nothing', so that it was not run: the
+        engine resolves its settings as before; 'dearer', broken off since it could win by its cost alone; 'not clocked', if it
+        may win by its cost and the clock did not say; 'refused', or the status of a run without an answer; 'reason not needed',
+        of no change that was run, if the adapter names one that is not better here. by: 'checks', 'price' or 'error', what it
+        is better by. drawn, won: parameters that were drawn and answered, and at how many of them it is better too; draws:
+        which. reason: the adapter's, or why there is no answer. trial: of the change, of the track for what was not run.
     """
 
     case: str
@@ -62,9 +61,7 @@ class Change:
     held_change: int | None = None
     checks: int | None = None
     error_ratio: float | None = None
-    cost: float | None = None
-    low: float | None = None
-    high: float | None = None
+    cost: Interval | None = None
     drawn: int = 0
     won: int = 0
     draws: str = ""
@@ -82,7 +79,7 @@ class _Beside:
 
     compared: Comparison | None
     by: str
-    cost: Ratio | None
+    cost: Interval | None
     rough: float
 
 
@@ -159,7 +156,7 @@ def _beside(store: Store, question: Question, track: Row | None, row: Row, sampl
         by = "checks"
     elif both is not None and row["track"] == "default" and both.errs_less:
         by = "error"
-    elif both is not None and both.as_good and cost is not None and cost.high < UNDER:
+    elif both is not None and both.as_good and cost is not None and cost.ends[1] < UNDER:
         by = "price"
     return _Beside(both, by, cost, _rough(track, row))
 
@@ -202,8 +199,7 @@ def _judged(
         held_change=own.compared.held[1],
         checks=own.compared.checks,
         error_ratio=own.compared.ratio,
-        cost=own.rough if own.cost is None else own.cost.value,
-        **known(own.cost, "low", "high"),
+        cost=own.cost or Interval(own.rough),
         drawn=len(answered),
         won=sum(bool(beside[other["trial"]].by) for other in answered),
         draws="; ".join(_told(other, beside[other["trial"]], given) for other in drawn),
@@ -241,13 +237,13 @@ def _folded(single: Sequence[Change]) -> Iterator[Change]:
     for some in grouped((each for each in single if each not in alone), attrgetter("verdict", "reason")).values():
         whole = replace(some[0], change="; ".join(change.change for change in some), count=len(some))
         if len(some) > 1:
-            whole = replace(whole, held_tuned=None, held_change=None, error_ratio=None, cost=None, low=None, high=None)
+            whole = replace(whole, held_tuned=None, held_change=None, error_ratio=None, cost=None)
         yield whole
 
 
 def unexcused(store: Store) -> list[str]:
     """The changes that beat a track without a reason of its adapter's, each in a sentence."""
-    return [_sentence(asdict(change)) for change in changes(store) if change.verdict == DOMINATED]
+    return [_sentence(TABLE.flat(change)) for change in changes(store) if change.verdict == DOMINATED]
 
 
 def _sentence(row: Row) -> str:
@@ -310,8 +306,9 @@ def _sentences(rows: Sequence[Row]) -> list[str]:
 
 
 TABLE = Table(
-    columns=names(Change),
+    columns=names(Change, "cost"),
     objects=changes,
+    bare="cost",
     shown=(
         Column("scene", scene),
         Column("engine", lambda row: row["engine"] + (" (ours)" if row["ours"] else "")),

@@ -23,7 +23,7 @@ from plumbline.harness.findings.once import once
 from plumbline.harness.findings.parameter_words import differing, in_words
 from plumbline.harness.findings.samples import Block, BlockSample, ratio_in_blocks, samples_by_block
 from plumbline.harness.search.needless_effects import Consequence, Scale, departure, matters, scale_in, weighed
-from plumbline.harness.statistics.ratio import Ratio
+from plumbline.harness.statistics.interval import Interval
 from plumbline.harness.store.store import Store
 
 
@@ -35,14 +35,13 @@ class Verdict:
         effects: those that the row is about, several where they were left out together, none for everything on and for the
         scene as it is. effect: what they are called in a table, or what else the row is about. declared: does the scene call
         for it? insists: why it does although its motion does not show it. moved, own: see
-        `harness.search.needless_effects.Consequence`; None where nothing could be compared. matters: on this engine. cost,
-        low, high: CPU time of a step with it over that without it (everything on over as it is), with the 95 % interval of the
-        median over blocks; None where one of both was not clocked.
-        cpu_as_it_is: CPU seconds of a simulated second of the scene as it is; None where that was not clocked. verdict: 'needed
-        and on', 'needed but missing', 'missing without need', 'paid for without need', 'insisted on', 'cannot be switched off',
-        'left out', 'everything on', 'left out together', 'needed together'; NOT_JUDGED where nothing could be compared or who
-        judges has not converged in this scene; or the status of a run that gave no answer. reason: what the engine says to it,
-        or why it is not judged. trial: of the departure.
+        `harness.search.needless_effects.Consequence`; None where nothing could be compared. matters: on this engine. cost: CPU
+        time of a step with it over that without it (everything on over as it is), with the 95 % interval of the median over
+        blocks; None where one of both was not clocked. cpu_as_it_is: CPU seconds of a simulated second of the scene as it is;
+        None where that was not clocked. verdict: 'needed and on', 'needed but missing', 'missing without need', 'paid for
+        without need', 'insisted on', 'cannot be switched off', 'left out', 'everything on', 'left out together', 'needed
+        together'; NOT_JUDGED where nothing could be compared or who judges has not converged in this scene; or the status of a
+        run that gave no answer. reason: what the engine says to it, or why it is not judged. trial: of the departure.
     """
 
     case: str
@@ -56,9 +55,7 @@ class Verdict:
     moved: float | None
     own: float | None
     matters: bool | None
-    cost: float | None
-    low: float | None
-    high: float | None
+    cost: Interval | None
     cpu_as_it_is: float | None
     verdict: str
     reason: str
@@ -154,7 +151,7 @@ def _of_side(
         run: Any,
         consequence: Consequence | None,
         verdict: str,
-        price: Ratio | None,
+        price: Interval | None,
         reason: str = "",
     ) -> Verdict:
         effects = () if isinstance(subject, str) else subject
@@ -167,13 +164,12 @@ def _of_side(
             effects=effects,
             declared=declared.issuperset(effects) and bool(effects),
             insists=str(insists.get(effects[0], "")) if len(effects) == 1 else "",
-            cost=None if price is None else price.value,
+            cost=price,
             cpu_as_it_is=None if pd.isna(plain.cpu_per_sim_s) else float(plain.cpu_per_sim_s),
             verdict=verdict,
             reason=reason,
             trial=str(run.trial),
             **known(consequence, "moved", "own", "matters"),
-            **known(price, "low", "high"),
         )
 
     if plain.status not in ("passed", "failed"):
@@ -219,7 +215,7 @@ def _of_side(
             yield row((effect,), plain, None, "cannot be switched off", None, text)
 
 
-def _price(cost: Any, base: Any, samples: Sampled) -> Ratio | None:
+def _price(cost: Any, base: Any, samples: Sampled) -> Interval | None:
     """CPU time of a unit of one run over that of another, in the blocks that both were sampled in."""
     return ratio_in_blocks(samples.get(cost.trial, {}), samples.get(base.trial, {}))
 
@@ -250,8 +246,9 @@ def sentences(rows: Sequence[Row], *, accusing: bool = True, titles: Mapping[str
 
 
 TABLE = Table(
-    columns=tuple(name for name in names(Verdict) if name != "effects"),  # the cell `effect` holds their names
+    columns=tuple(name for name in names(Verdict, "cost") if name != "effects"),  # the cell `effect` holds their names
     objects=verdicts,
+    bare="cost",
     shown=(
         Column("case", named_scene),
         Column("engine", side),

@@ -73,7 +73,7 @@ def _searched(row: Row) -> str:
 TABLE = Table(
     columns=COLUMNS,
     objects=lambda store: [search for search in searches(store) if not search.remedied],
-    flat=_flat,
+    row=_flat,
     shown=(
         Column("case", scene),
         Column("engine", "engine"),

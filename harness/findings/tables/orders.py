@@ -199,7 +199,7 @@ def _sentence(title: str, fit: Order, promised: int, finest: float) -> str:
 TABLE = Table(
     columns=COLUMNS,
     objects=convergences,
-    flat=Convergence.flat,
+    row=Convergence.flat,
     shown=(
         *plain("case", "engine", "track", "integrator"),
         Column("promised", "promised", "d"),

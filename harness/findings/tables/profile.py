@@ -133,7 +133,7 @@ def sentences(rows: Sequence[Row]) -> list[str]:
 TABLE = Table(
     columns=names(Share),
     objects=lambda store: profile(priced(store).prices),
-    flat=flat,
+    row=flat,
     shown=(
         Column("engine", "engine"),
         Column("within", "within", "g"),

@@ -264,7 +264,7 @@ def _share_of(change: str) -> Column:
 TABLE = Table(
     columns=COLUMNS,
     objects=_rows,
-    flat=dict,
+    row=dict,
     shown=(
         Column("engine", "engine"),
         Column("setting", "track"),

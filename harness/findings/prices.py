@@ -22,7 +22,7 @@ from typing import Any, Literal
 import numpy as np
 import pandas as pd
 
-from plumbline.harness.findings.agreement import errors_of
+from plumbline.harness.findings.agreement.found import errors_of
 from plumbline.harness.findings.cost_point import Point, foreseen
 from plumbline.harness.findings.parameter_words import in_words, other_values
 from plumbline.harness.findings.samples import Block, samples_by_block

@@ -13,7 +13,7 @@ from xml.etree import ElementTree
 import pandas as pd
 
 from plumbline.harness.case.alteration import Alteration
-from plumbline.harness.findings.agreement import AGREED_TRUTH
+from plumbline.harness.findings.agreement.found import AGREED_TRUTH
 from plumbline.harness.findings.emulations import whose
 from plumbline.harness.findings.parameter_words import differing, in_words
 from plumbline.harness.findings.steps_taken import step_in_words, substeps_of

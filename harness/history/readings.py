@@ -17,9 +17,8 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 import pandas as pd
 
-from plumbline.harness.findings.changes.limits import searched_by
 from plumbline.harness.findings.changes.matching import by_question, where_of
-from plumbline.harness.findings.changes.repetitions import agreements_by_cell
+from plumbline.harness.findings.changes.studied import repetitions_by_cell, searched_by
 from plumbline.harness.findings.limits_found import searches
 from plumbline.harness.history.folder import History, Night
 from plumbline.harness.store import disk
@@ -210,8 +209,8 @@ def _of_answers(store: Store, questions: Mapping[Hashable, Any]) -> Iterator[dic
 def _of_repetitions(store: Store) -> Iterator[dict[str, Any]]:
     """Nothing where a history keeps hashes only: a parting cannot be read off these."""
     with suppress(StoreError):
-        for cell, agreement in ({} if store.trials.empty else agreements_by_cell(store)).items():
-            yield {"kind": "repetition", "key": _named("repeated", cell), "said": json.dumps(asdict(agreement))}
+        for cell, repetition in ({} if store.trials.empty else repetitions_by_cell(store)).items():
+            yield {"kind": "repetition", "key": _named("repeated", cell), "said": json.dumps(asdict(repetition))}
 
 
 def _named(kind: str, key: Hashable) -> str:

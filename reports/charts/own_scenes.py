@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from plumbline.harness.findings.agreement import Agreement, ways
+from plumbline.harness.findings.agreement.found import ways
+from plumbline.harness.findings.agreement.values import Agreement
 from plumbline.harness.store.rows import grouped
 from plumbline.harness.store.store import Store
 from plumbline.reports.charts.figure import Figure, thin

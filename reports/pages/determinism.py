@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from plumbline.harness.findings.tables.determinism import FIRST, TABLE, agreements
+from plumbline.harness.findings.tables.determinism import FIRST, TABLE, repetitions
 from plumbline.harness.store.store import Store
 from plumbline.reports.html.template import fill
 from plumbline.reports.page import Page
@@ -17,7 +17,7 @@ def concerns(store: Store) -> bool:
 
 def render(store: Store) -> Mapping[str, str]:
     """The page and its table as CSV."""
-    rows = agreements(store)
+    rows = repetitions(store)
     ways = list(dict.fromkeys(row.way for row in rows if row.way not in (FIRST, "nudged") and not row.variables))
     libraries = dict(sorted({(row.way, row.variables) for row in rows if row.variables}))
     counted = {

@@ -9,9 +9,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from textwrap import shorten
 
-from plumbline.harness.findings.agreement import Agreement, Side, errors_of, ways
 from plumbline.harness.findings.agreement.costs import WITHIN, at_target
+from plumbline.harness.findings.agreement.found import errors_of, ways
 from plumbline.harness.findings.agreement.setting_causes import CLOSES, Turned
+from plumbline.harness.findings.agreement.values import Agreement, Side
 from plumbline.harness.findings.agreement.words import share
 from plumbline.harness.findings.prices import Price
 from plumbline.harness.store.store import Store

@@ -3,9 +3,11 @@
 from collections.abc import Mapping
 from functools import lru_cache
 
-from plumbline.harness.findings.agreement import Agreement, agreements, omission_words, omissions
+from plumbline.harness.findings.agreement.found import agreements
 from plumbline.harness.findings.agreement.happened import end_words, happened_words, happenings
+from plumbline.harness.findings.agreement.omissions import omission_words, omissions
 from plumbline.harness.findings.agreement.setting_causes import cause_words, settings_turned
+from plumbline.harness.findings.agreement.values import Agreement
 from plumbline.harness.findings.agreement.words import present_words, scene_words, side_words
 from plumbline.harness.findings.tables.recorded import joint_errors, recorded_words
 from plumbline.harness.store.store import Store

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from plumbline.harness.findings.agreement import errors_of
+from plumbline.harness.findings.agreement.found import errors_of
 from plumbline.harness.intake.safe_text import csv_cell
 from plumbline.harness.store.record import digest
 from plumbline.harness.store.store import Store

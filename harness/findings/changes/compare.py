@@ -12,11 +12,9 @@ from plumbline.harness.findings.changes.circumstances import (
     version_changes,
     warning_changes,
 )
-from plumbline.harness.findings.changes.limits import limit_changes
 from plumbline.harness.findings.changes.matching import LOST, Pair, matched, scene_of
-from plumbline.harness.findings.changes.own_verdicts import own_verdict_changes
 from plumbline.harness.findings.changes.prices import clocked, judged_prices, price_changes
-from plumbline.harness.findings.changes.repetitions import repetition_changes
+from plumbline.harness.findings.changes.studied import limit_changes, own_verdict_changes, repetition_changes
 from plumbline.harness.findings.changes.values import Change, Changes, Judged, Side, heaviest_first
 from plumbline.harness.store.journal import StoreError
 from plumbline.harness.store.machine_fingerprint import machine_digest

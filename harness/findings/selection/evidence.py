@@ -14,14 +14,14 @@ from operator import attrgetter, itemgetter
 from statistics import median
 from typing import Any, TypeVar
 
-from plumbline.harness.findings.agreement import AGREED_TRUTH
+from plumbline.harness.findings.agreement.found import AGREED_TRUTH
 from plumbline.harness.findings.limits_found import CONSTANT, searches_if_described
 from plumbline.harness.findings.prices import number, priced
 from plumbline.harness.findings.selection.wish import Wish
 from plumbline.harness.findings.speed import BEYOND, Side, Speed, speeds
 from plumbline.harness.findings.steps_taken import substeps_of, substeps_taken
 from plumbline.harness.findings.tables.agreement import TABLE as AGREEMENT
-from plumbline.harness.findings.tables.determinism import agreements as repetitions
+from plumbline.harness.findings.tables.determinism import repetitions
 from plumbline.harness.metric.titles import metric_title
 from plumbline.harness.store.rows import grouped, records
 from plumbline.harness.store.store import Store

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from plumbline.harness.findings.agreement import agreements
+from plumbline.harness.findings.agreement.found import agreements
 from plumbline.harness.findings.agreement.values import Agreement
 from plumbline.harness.statistics.richardson import extrapolate
 from plumbline.harness.store.store import Store

@@ -9,20 +9,12 @@ from typing import Any
 
 import pandas as pd
 
-from plumbline.harness.findings.agreement import (
-    Agreement,
-    Omission,
-    Side,
-    agreements,
-    balances,
-    errors_of,
-    omission_words,
-    omissions,
-    outlooks,
-    scenes_to_judge,
-)
+from plumbline.harness.findings.agreement.found import agreements, errors_of, scenes_to_judge
 from plumbline.harness.findings.agreement.happened import end_words, happened_words, happenings
+from plumbline.harness.findings.agreement.omissions import Omission, omission_words, omissions
+from plumbline.harness.findings.agreement.perturbed_starts import balances, outlooks
 from plumbline.harness.findings.agreement.setting_causes import cause_words, settings_turned
+from plumbline.harness.findings.agreement.values import Agreement, Side
 from plumbline.harness.findings.agreement.words import beyond_words, present_words, scene_words, side_sentence
 from plumbline.harness.findings.columns import Column, Row, Table, known, plain
 from plumbline.harness.store.store import Store

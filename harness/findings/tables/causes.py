@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import asdict, fields
 from typing import Any
 
-from plumbline.harness.findings.agreement import agreements
+from plumbline.harness.findings.agreement.found import agreements
 from plumbline.harness.findings.agreement.setting_causes import Turned, cause_words, settings_turned
 from plumbline.harness.findings.columns import Column, Row, Table, plain
 from plumbline.harness.store.store import Store

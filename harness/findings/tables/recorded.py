@@ -17,7 +17,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from plumbline.harness.findings.agreement import agreements
+from plumbline.harness.findings.agreement.found import agreements
 from plumbline.harness.findings.agreement.values import Agreement
 from plumbline.harness.findings.columns import Column, Table, plain
 from plumbline.harness.intake.safe_text import quoted

@@ -137,8 +137,8 @@ def test_a_range_that_is_no_number_leaves_no_finite_error() -> None:
     run = sensing(1)
     run.streams["lidar/range_ideal"][3, 2, 5] = np.nan  # type: ignore[index]
     errors = ideal_errors(channel_of(run, "lidar", "range"))
-    assert errors.largest is not None
-    assert math.isnan(errors.largest)
+    assert errors.error_max is not None
+    assert math.isnan(errors.error_max)
     assert errors.disagree == pytest.approx(1 / (10 * 512))
 
 
@@ -147,7 +147,7 @@ def test_a_beam_that_meets_another_surface_disagrees_and_spoils_no_error() -> No
     run.streams["lidar/range_ideal"][0, 1, 0] = 3.0  # type: ignore[index]
     run.streams["lidar/range_ideal"][0, 1, 1] = np.inf  # type: ignore[index]
     errors = ideal_errors(channel_of(run, "lidar", "range"))
-    assert errors.largest == 0.0
+    assert errors.error_max == 0.0
     assert errors.disagree == pytest.approx(2 / (10 * 512))
 
 
@@ -155,7 +155,7 @@ def test_a_truth_at_other_times_is_told_and_gives_no_error() -> None:
     truth = told()
     truth["lidar/time"] = truth["lidar/time"] + 1e-3
     errors = ideal_errors(channel_of(sensing(1), "lidar", "range", truth))
-    assert errors.largest is None
+    assert errors.error_max is None
     assert errors.why == "the truth stands at other times than the readings"
 
 

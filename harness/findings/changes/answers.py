@@ -28,20 +28,14 @@ def as_good(status: str, before: str) -> bool:
     return _RANK.get(status, 0) <= _RANK.get(before, len(_RANK))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class _Reading:
-    """One metric of a pair. Terms: values in the metric's unit; low..high: of the ratio, by what the truths may be off, None
-    where they are exact; excess: the difference over what is tolerated."""
+    """One metric of a pair. Terms: excess: the difference over what is tolerated. fields: of a `Change` that say what was
+    measured; low..high of the ratio by what the truths may be off, None where they are exact."""
 
-    metric: str
-    unit: str
-    before: float
-    after: float
     sense: Sense
-    ratio: float | None
-    low: float | None
-    high: float | None
     excess: float
+    fields: Mapping[str, Any]
 
 
 class _Readings:
@@ -92,17 +86,16 @@ class _Readings:
             sense = _way((step > 0) != higher, excess <= 1)
         known = off_a + off_b > 0 and before > off_a
         positive = math.isfinite(step) and before > 0 and after > 0
-        return _Reading(
-            metric=str(a.metric),
-            unit=str(b.unit),
-            before=before,
-            after=after,
-            sense=sense,
-            ratio=after / before if positive else None,
-            low=max(after - off_b, 0.0) / (before + off_a) if positive and known else None,
-            high=(after + off_b) / (before - off_a) if positive and known else None,
-            excess=excess,
-        )
+        fields = {
+            "metric": str(a.metric),
+            "unit": str(b.unit),
+            "before": before,
+            "after": after,
+            "ratio": after / before if positive else None,
+            "low": max(after - off_b, 0.0) / (before + off_a) if positive and known else None,
+            "high": (after + off_b) / (before - off_a) if positive and known else None,
+        }
+        return _Reading(sense, excess, fields)
 
 
 def _way(worse: bool, tolerated: bool) -> Sense:
@@ -150,7 +143,7 @@ def answer_changes(store_a: Store, store_b: Store, pairs: Sequence[Pair]) -> Ite
             yield _flip(pair, readings.of(pair), store_b.catalogue)
             continue
         judged = readings.of(pair)
-        moved = [reading for reading in judged if reading.before != reading.after and reading.excess > 0]
+        moved = [each for each in judged if each.fields["before"] != each.fields["after"] and each.excess > 0]
         if pair.same_bits and moved:
             # The engine said the same: the metric, the bound or the truth is another.
             yield _change("error", "neither", pair, moved[0], store_b.catalogue, "the same bits, measured otherwise")
@@ -159,7 +152,6 @@ def answer_changes(store_a: Store, store_b: Store, pairs: Sequence[Pair]) -> Ite
             yield _change("error", "within tolerance" if worst is None else worst.sense, pair, worst, store_b.catalogue)
 
 
-_OF_A_READING = ("metric", "unit", "before", "after", "ratio", "low", "high")
 _ORDER: tuple[Sense, ...] = ("worse", "better", "within tolerance", "neither")
 
 
@@ -175,10 +167,8 @@ def _flip(pair: Pair, judged: Sequence[_Reading], catalogue: Mapping[str, Any]) 
 def _change(
     kind: Kind, sense: Sense, pair: Pair, reading: _Reading | None, catalogue: Mapping[str, Any], detail: str = ""
 ) -> Change:
-    change = Change(kind=kind, sense=sense, detail=detail, **located(pair.a, pair.b, catalogue))
-    if reading is None:
-        return change
-    return replace(change, **{name: getattr(reading, name) for name in _OF_A_READING})
+    fields = {} if reading is None else reading.fields
+    return Change(kind=kind, sense=sense, detail=detail, **located(pair.a, pair.b, catalogue), **fields)
 
 
 Likeness = Literal["bit-identical", "as good", "different"]

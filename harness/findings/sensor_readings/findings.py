@@ -13,11 +13,12 @@ from typing import Any
 
 import pandas as pd
 
+from plumbline.harness.findings.columns import known
 from plumbline.harness.findings.parameter_words import in_words, other_values
 from plumbline.harness.findings.sensor_readings.channel import RAYS, Channel, channels, rays_of
 from plumbline.harness.findings.sensor_readings.converged import converged_readings
 from plumbline.harness.findings.sensor_readings.depth import Levels, depth_levels, depth_noise
-from plumbline.harness.findings.sensor_readings.ideal import Errors, ideal_errors
+from plumbline.harness.findings.sensor_readings.ideal import IdealErrors, ideal_errors
 from plumbline.harness.findings.sensor_readings.inertial import Allan, allan_curve, inertial_noise
 from plumbline.harness.findings.sensor_readings.lag import lag_by_law, lag_of
 from plumbline.harness.findings.sensor_readings.noise import SILENT, Noise
@@ -91,14 +92,8 @@ SKETCHES = ("allan", "histogram", "levels", "picture")
 """Fields for charts, too large for a row."""
 
 
-@dataclass(frozen=True, slots=True)
-class _Prices:
-    """CPU seconds of one interval of all sensors, and of one bare ray, with the trials that say so."""
-
-    sensing: float | None = None
-    bare: float | None = None
-    trial_sensing: str = ""
-    trial_bare: str = ""
+_Prices = Mapping[str, tuple[float, str]]
+"""CPU seconds of a unit, of one interval of all sensors ('sensing') or of one bare 'ray', with the trial that says so."""
 
 
 def concerned(store: Store) -> pd.DataFrame:
@@ -161,15 +156,11 @@ def _nearest(runs: pd.DataFrame, own: float | None) -> Mapping[str, Any]:
 
 
 def _prices(runs: pd.DataFrame) -> _Prices:
-    prices = _Prices()
-    for row in runs.to_dict("records"):
-        if pd.isna(row["cpu_per_unit"]) or row["cpu_per_unit"] <= 0:
-            continue
-        if row["unit"] == "sensing":
-            prices = replace(prices, sensing=float(row["cpu_per_unit"]), trial_sensing=str(row["trial"]))
-        elif row["unit"] == "ray":
-            prices = replace(prices, bare=float(row["cpu_per_unit"]), trial_bare=str(row["trial"]))
-    return prices
+    clocked = runs[runs["cpu_per_unit"] > 0]
+    return {
+        unit: (float(cost), str(trial))
+        for unit, cost, trial in zip(clocked["unit"], clocked["cpu_per_unit"], clocked["trial"], strict=True)
+    }
 
 
 def _of_trial(
@@ -205,12 +196,13 @@ def _of_channel(
     noise = (None if measure is None else measure(channel)) or SILENT
     lacking = [word for word in (plain.reason, errors.why, noise.why) if word]
     seeing = channel.sensor is not None and rays_of(channel.sensor) > 0
-    bare = prices.bare if channel.type in ("lidar", RAYS) else None
+    sensing, trial_sensing = prices.get("sensing", (None, ""))
+    bare, trial_bare = prices.get("ray", (None, "")) if channel.type in ("lidar", RAYS) else (None, "")
     beams = all(isinstance(sensor, Lidar) or not rays_of(sensor) for sensor in scene.sensors)
     cast = [rays_of(sensor) * sensor.rate for sensor in scene.sensors]
     # The sensors of a scene share a price; each interval is the longest of them, in which faster ones read more often.
     rays = sum(cast) / min(sensor.rate for sensor in scene.sensors) if scene.sensors else 0.0
-    read = prices.sensing / rays if prices.sensing and rays and seeing else None
+    read = sensing / rays if sensing and rays and seeing else None
     return replace(
         plain,
         sensor=channel.name,
@@ -226,10 +218,10 @@ def _of_channel(
         rays_per_s=1.0 / read if read else None,
         bare_rays_per_s=1.0 / bare if bare else None,
         times_bare=read / bare if read and bare and beams else None,
-        cpu_sensing=prices.sensing,
+        cpu_sensing=sensing,
         reason="; ".join(lacking),
-        trial_sensing=prices.trial_sensing,
-        trial_bare=prices.trial_bare if bare else "",
+        trial_sensing=trial_sensing,
+        trial_bare=trial_bare,
         allan=allan_curve(channel) if channel.type == "imu" else None,
         histogram=range_histogram(channel) if channel.type == "lidar" else None,
         levels=depth_levels(channel) if channel.type == "depth_camera" else None,
@@ -237,15 +229,10 @@ def _of_channel(
     )
 
 
-def _error_fields(errors: Errors, check: Mapping[str, Any]) -> dict[str, Any]:
-    measured = {
-        "error_max": errors.largest,
-        "error_rms": errors.rms,
-        "error_median": errors.median,
-        "disagree": errors.disagree,
-    }
+def _error_fields(errors: IdealErrors, check: Mapping[str, Any]) -> dict[str, Any]:
+    measured = known(errors, "error_max", "error_rms", "error_median", "disagree")
     if not check:
-        return measured | {"error": errors.largest}
+        return measured | {"error": errors.error_max}
     bound = None if pd.isna(check["at_most"]) else float(check["at_most"])
     judged = {"metric": check["metric"], "at_most": bound, "passed": bool(check["passed"])}
     return measured | judged | {"error": float(check["value"])}

@@ -31,7 +31,7 @@ def _verdicts(store: Store) -> list[dict[str, Any]]:
     if store.trials.empty or not scenes_to_judge(store):
         return []
     costs = dict(zip(store.trials["trial"], store.trials["cpu_per_sim_s"], strict=True))
-    titles = {name: str(about.get("title") or name) for name, about in store.catalogue.get("engines", {}).items()}
+    titles = store.titles
     table = []
     for agreement in agreements(store):
         lost = omissions(store, agreement)

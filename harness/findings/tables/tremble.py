@@ -28,9 +28,10 @@ import json
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from operator import attrgetter
 from typing import Any, TypeAlias
 
-from plumbline.harness.findings.columns import Column, Row, Table, plain
+from plumbline.harness.findings.columns import Column, Row, Table, known, plain
 from plumbline.harness.findings.prices import number
 from plumbline.harness.findings.steps_taken import step_in_words, with_substeps
 from plumbline.harness.store.store import Store
@@ -58,8 +59,8 @@ class Run:
     trial: str = ""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Finding:
+@dataclass(frozen=True, slots=True)
+class Tremble:
     """What one engine's base shows.
 
     Terms: stiffness in the case's own unit; dt [s]; shares: by change, how many times smaller the vibration became; cause: one
@@ -160,7 +161,7 @@ def _bound(store: Store, row: Mapping[str, Any]) -> float:
     return float(check["at_most"]) * (taken if math.isfinite(taken) else float(row["dt"])) / float(about["dt"])
 
 
-def findings(store: Store) -> tuple[Finding, ...]:
+def findings(store: Store) -> tuple[Tremble, ...]:
     """All bases of a run folder that have a softer run to be compared with, engine by engine."""
     runs = {
         (row["case"], row["engine"], row["track"], stiffness, float(row["dt"])): run for row, stiffness, run in _runs(store)
@@ -169,7 +170,7 @@ def findings(store: Store) -> tuple[Finding, ...]:
     variants = {(engine, to.beside, to.changes): name for (engine, name), to in departures.items()}
     made = []
     for key, run in runs.items():
-        case, engine, track, stiffness, dt = key
+        case, engine, track, _, dt = key
         if (engine, track) in departures or store.bases[run.trial] != track:
             continue  # what was changed in another one is no base
         together = {other: peer for other, peer in runs.items() if other[0] == case}
@@ -177,21 +178,8 @@ def findings(store: Store) -> tuple[Finding, ...]:
         # The softest of a series is there to be compared with, and so is every finer step.
         if dt < max(other[-1] for other in together) or "softer" not in changes:
             continue
-        shares, cause, why = attribute(run, changes)
-        made.append(
-            Finding(
-                case=case,
-                engine=engine,
-                track=track,
-                stiffness=stiffness,
-                dt=dt,
-                base=run,
-                shares=shares,
-                cause=cause,
-                why=why,
-            )
-        )
-    return tuple(sorted(made, key=lambda finding: (finding.case, finding.engine, finding.track, finding.stiffness)))
+        made.append(Tremble(*key, run, *attribute(run, changes)))
+    return tuple(sorted(made, key=attrgetter("case", "engine", "track", "stiffness")))
 
 
 def _changes(runs: Mapping[_Key, Run], base: _Key, variants: Mapping[tuple[str, str, str], str]) -> dict[str, Run]:
@@ -232,20 +220,12 @@ def _number(value: float) -> float | None:
 def _rows(store: Store) -> list[dict[str, Any]]:
     """Flat rows; a vibration without bound is None."""
     flat = [
-        {
-            "case": finding.case,
-            "engine": finding.engine,
-            "track": finding.track,
-            "stiffness": finding.stiffness,
-            "dt": finding.dt,
-            "vibration_rad_s": _number(finding.base.vibration),
-            "frequency_hz": _number(finding.base.frequency),
-            "bound_rad_s": finding.base.bound,
-            **{name: None if name not in finding.shares else min(finding.shares[name], CURED) for name in CHANGES},
-            "cause": finding.cause,
-            "why": finding.why,
-            "trial": finding.base.trial,
-        }
+        known(finding, "case", "engine", "track", "stiffness", "dt")
+        | {"vibration_rad_s": _number(finding.base.vibration), "frequency_hz": _number(finding.base.frequency)}
+        | {"bound_rad_s": finding.base.bound}
+        | {name: None if name not in finding.shares else min(finding.shares[name], CURED) for name in CHANGES}
+        | known(finding, "cause", "why")
+        | {"trial": finding.base.trial}
         for finding in findings(store)
     ]
     return with_substeps(store, flat)

@@ -8,7 +8,7 @@ from typing import Any
 import pandas as pd
 
 from plumbline.harness.case import Axis
-from plumbline.harness.findings.once import once
+from plumbline.harness.findings.once import all_once
 from plumbline.harness.findings.parameter_words import STEP, differing, in_words
 from plumbline.harness.search.along_axis import Point, unchanged
 from plumbline.harness.search.first_break import BROKE, Bracket, Ruler, bracket
@@ -184,7 +184,7 @@ def _measured(store: Store) -> _Measured:
     return _Measured(shares, starts, own, signs, store.notices, errors)
 
 
-@once
+@all_once
 def searches(store: Store) -> Iterator[Search]:
     """All searches of a run, those for remedies with them."""
     experiments = _experiments(store)

@@ -15,7 +15,7 @@ import math
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
-from functools import cache, cached_property, lru_cache
+from functools import cache, cached_property
 from operator import attrgetter
 from typing import Any, Literal
 
@@ -24,6 +24,7 @@ import pandas as pd
 
 from plumbline.harness.findings.agreement.found import errors_of
 from plumbline.harness.findings.cost_point import Point, foreseen
+from plumbline.harness.findings.once import once
 from plumbline.harness.findings.parameter_words import in_words, other_values
 from plumbline.harness.findings.samples import Block, samples_by_block
 from plumbline.harness.findings.search_effort import Effort, Ended, efforts
@@ -280,7 +281,7 @@ def _unreached(points: Sequence[Point], best: Point, target: float) -> dict[str,
     return {"verdict": "not within the ladder"} | ahead | _leaning_on(best)
 
 
-@lru_cache(maxsize=2)
+@once
 def priced(store: Store) -> Prices:
     """Points and prices of a store, worked out once for all that ask: they take longer than what is made of them."""
     return Prices(store)

@@ -7,12 +7,12 @@ accurate, if it errs less than ten times as much. No bound stands for a value.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 from operator import attrgetter
 
 import numpy as np
 
 from plumbline.harness.findings.cost_point import Point
+from plumbline.harness.findings.once import once
 from plumbline.harness.findings.prices import PER_SECOND, Draws, List, interval, priced, unit_of
 from plumbline.harness.findings.steps_taken import step_in_words
 from plumbline.harness.store.rows import grouped
@@ -61,7 +61,7 @@ class Speed:
         return f"{float(f'{self.times:.3g}'):g} times real time {self.step}".rstrip()
 
 
-@lru_cache(maxsize=8)
+@once
 def speeds(store: Store, error: float) -> Mapping[Side, Speed]:
     """By case, engine and track, in cases whose costs are those of steps; a side has none if one of its scenes has none."""
     prices, sound = priced(store), _sound(store)

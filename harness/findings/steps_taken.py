@@ -5,6 +5,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
+from plumbline.harness.findings.once import once
+
 if TYPE_CHECKING:
     from plumbline.harness.store.store import Store
 
@@ -16,7 +18,7 @@ def substeps_of(resolved: str) -> int:
     return int(settings.get("substeps") or 1) if isinstance(settings, dict) else 1
 
 
-@lru_cache(maxsize=2)
+@once
 def substeps_taken(store: "Store") -> Mapping[str, int]:
     """The sub-steps of each trial that took several, by its name."""
     trials = store.trials

@@ -8,12 +8,12 @@ is told.
 from collections import Counter
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
+from plumbline.harness.findings.once import once
 from plumbline.harness.findings.standing import exactness, leaders
 from plumbline.harness.store.store import Store
 from plumbline.reports.tables.own_scenes import by_case
@@ -93,7 +93,7 @@ def most_accurate(errors: "pd.Series[float]", *, more_is_better: bool = False) -
     return leaders({who: exactness(float(error), more_is_better) for who, error in errors.items()})
 
 
-@lru_cache(maxsize=1)
+@once
 def glances(store: Store) -> list[Glance]:
     """All engines on all tracks that were run, on one scale. One with fewer than half of the cases has no ratios."""
     yardsticks, counts, named = ours(store), totals(store), compared_tracks(store)
@@ -147,7 +147,7 @@ class Lead:
     why: str
 
 
-@lru_cache(maxsize=1)
+@once
 def leads(store: Store) -> dict[tuple[str, str], Lead]:
     """By (case, track). What lies below a millionth of the case's scale is equal: rounding leads nobody."""
     rows = at_own_step(store, answers(store))[["case", "track", "engine", "error"]]

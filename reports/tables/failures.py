@@ -3,9 +3,9 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 
 from plumbline.harness.findings.causes import FAILED, Answer, Cause, causes
+from plumbline.harness.findings.once import once
 from plumbline.harness.store.store import Store
 from plumbline.reports.tables.own_scenes import by_case
 from plumbline.reports.tables.verdicts import Verdict, verdicts
@@ -37,7 +37,7 @@ class Failure:
     cases: Sequence[Failing]
 
 
-@lru_cache(maxsize=2)
+@once
 def failing(store: Store) -> tuple[Failure, ...]:
     """All causes of failures at the cases' own steps, on the tracks that the study names, engine by engine and track by track;
     in each cause the heaviest first."""

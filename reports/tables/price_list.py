@@ -5,7 +5,6 @@ was clocked that has an error.
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
 from typing import NamedTuple
 
 import pandas as pd
@@ -13,6 +12,7 @@ import pandas as pd
 from plumbline.harness.findings.cost_point import Point
 from plumbline.harness.findings.emulations import share_in_words, whose
 from plumbline.harness.findings.leads import cheapest
+from plumbline.harness.findings.once import once
 from plumbline.harness.findings.prices import PER_SECOND, Price, priced, unit_of
 from plumbline.harness.findings.standing import counted, standing
 from plumbline.harness.store.store import Store
@@ -204,7 +204,7 @@ class Scene:
     silent: pd.DataFrame
 
 
-@lru_cache(maxsize=1)
+@once
 def scenes(store: Store) -> tuple[Scene, ...]:
     """All scenes in which something was clocked that has an error."""
     listed: list[Scene] = []

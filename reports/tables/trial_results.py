@@ -15,6 +15,7 @@ import numpy as np
 import pandas as pd
 
 from plumbline.harness.findings.agreement.found import errors_of
+from plumbline.harness.findings.once import once
 from plumbline.harness.intake.safe_text import csv_cell
 from plumbline.harness.store.record import digest
 from plumbline.harness.store.store import Store
@@ -35,7 +36,7 @@ def answers(store: Store, trials: pd.DataFrame | None = None) -> pd.DataFrame:
     return rows[rows["trial"].isin((store.asked if trials is None else trials)["trial"])].reset_index(drop=True)
 
 
-@lru_cache(maxsize=1)
+@once
 def _answers(store: Store) -> pd.DataFrame:
     """Of all trials, once for all that draw those of a store."""
     trials = store.trials.reset_index(drop=True)

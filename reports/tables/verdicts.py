@@ -6,10 +6,10 @@ import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Any
 
 from plumbline.harness.findings.margins import Margin, margins
+from plumbline.harness.findings.once import once
 from plumbline.harness.store.store import Store
 from plumbline.reports.tables.own_scenes import by_case, chips
 from plumbline.reports.tables.trial_results import at_own_step
@@ -78,7 +78,7 @@ def margin_words(margin: Margin) -> str:
     return f"{amount(float(f'{margin.times:.{digits}g}'), digits)}{TIMES}"
 
 
-@lru_cache(maxsize=2)
+@once
 def verdicts(store: Store) -> dict[tuple[str, str, str], Verdict]:
     """Verdicts by (case, engine, track); a cell without a trial has no entry."""
     cells = {}

@@ -72,7 +72,6 @@ def test_errors_within_rounding_or_a_per_cent_lead_nobody(folder: Path) -> None:
                 rows = table["trial"].isin(group["trial"]) & table["unit"].isin(("rad", "m"))
                 table.loc[rows, "value"] = factor * rival if engine == "reference" else rival
         assert bool(leads(store)) == lead
-        leads.cache_clear()
 
 
 def test_no_sentence_of_the_summary_ranks_our_engine(folder: Path) -> None:

@@ -7,7 +7,6 @@ limit is known, as shares of the size of what moves.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
 from operator import attrgetter
 from typing import Any
 
@@ -15,6 +14,7 @@ import numpy as np
 
 from plumbline.harness.findings.agreement.judgement import judged
 from plumbline.harness.findings.agreement.values import Agreement, Side
+from plumbline.harness.findings.once import once
 from plumbline.harness.scene import Effect, Scene
 from plumbline.harness.scene.file import parse
 from plumbline.harness.search.own_limits import ANSWERED, ROUNDING, granted_of, own_limit, rungs_of
@@ -35,7 +35,7 @@ def scenes_to_judge(store: Store) -> list[str]:
     ]
 
 
-@lru_cache(maxsize=2)
+@once
 def agreements(store: Store) -> tuple[Agreement, ...]:
     """One for each scene without a truth, at each set of its parameters."""
     results = []
@@ -119,7 +119,7 @@ class Errors:
     until: float
 
 
-@lru_cache(maxsize=2)
+@once
 def errors_of(store: Store) -> Mapping[str, Errors]:
     """By trial; runs without an answer, and engines without a limit, have none."""
     errors: dict[str, Errors] = {}

@@ -9,13 +9,13 @@ import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import lru_cache
 from operator import attrgetter, itemgetter
 from statistics import median
 from typing import Any, TypeVar
 
 from plumbline.harness.findings.agreement.found import AGREED_TRUTH
 from plumbline.harness.findings.limits_found import CONSTANT, searches_if_described
+from plumbline.harness.findings.once import once
 from plumbline.harness.findings.prices import number, priced
 from plumbline.harness.findings.selection.wish import Wish
 from plumbline.harness.findings.speed import BEYOND, Side, Speed, speeds
@@ -120,21 +120,21 @@ def _of_cases(data: Mapping[_By, Datum], cases: Mapping[str, float]) -> dict[_By
     return {key: datum for key, datum in data.items() if key[0] in cases}
 
 
-@lru_cache(maxsize=1)
+@once
 def _judged(store: Store) -> Mapping[Side, list[dict[str, Any]]]:
     """The trials that say something of an engine, with the columns `_JUDGED`, by case, engine and track."""
     told = store.asked.loc[~store.asked["status"].isin(_NOT_ASKED), _JUDGED]
     return grouped(records(told), itemgetter("case", "engine", "track"))
 
 
-@lru_cache(maxsize=1)
+@once
 def _failing(store: Store) -> Mapping[str, list[dict[str, Any]]]:
     """The measurements that failed a check, by trial."""
     failed = store.measurements[store.measurements["passed"].eq(False).fillna(False)]
     return grouped(records(failed), itemgetter("trial"))
 
 
-@lru_cache(maxsize=8)
+@once
 def _accuracy(store: Store, target: float) -> dict[Side, Datum]:
     """By case, engine and track, of the run that the speed is taken from; without one, of the run at the case's own step."""
     prices, fast, about_cases = priced(store), speeds(store, target), store.catalogue.get("cases", {})
@@ -167,7 +167,7 @@ def _accuracy(store: Store, target: float) -> dict[Side, Datum]:
     return data
 
 
-@lru_cache(maxsize=1)
+@once
 def _robustness(store: Store) -> dict[Side, Datum]:
     data: dict[Side, Datum] = {}
     for (case, engine, track), group in _judged(store).items():
@@ -180,7 +180,7 @@ def _robustness(store: Store) -> dict[Side, Datum]:
     return data
 
 
-@lru_cache(maxsize=1)
+@once
 def _limits(store: Store) -> dict[tuple[str, str], Datum]:
     """The farthest of an engine's tracks in each case, without remedies; between what held and the next that was tried."""
     data: dict[tuple[str, str], Datum] = {}
@@ -200,7 +200,7 @@ def _limits(store: Store) -> dict[tuple[str, str], Datum]:
     return data
 
 
-@lru_cache(maxsize=1)
+@once
 def _determinism(store: Store) -> dict[tuple[str, str], Datum]:
     told = (each for each in repetitions(store) if each.must and each.verdict in ("bit-identical", "differs"))
     data = {}
@@ -211,7 +211,7 @@ def _determinism(store: Store) -> dict[tuple[str, str], Datum]:
     return data
 
 
-@lru_cache(maxsize=1)
+@once
 def _unclocked(store: Store) -> frozenset[tuple[str, str]]:
     """Cases and engines with an answer and no time of a step: nothing is known of their speed."""
     timed = store.asked[store.asked["status"].isin(_ANSWERED)]
@@ -323,7 +323,7 @@ def _own(store: Store) -> frozenset[str]:
     )
 
 
-@lru_cache(maxsize=1)
+@once
 def _capabilities(store: Store) -> dict[tuple[str, str], Datum]:
     """By case and engine."""
     data: dict[tuple[str, str], Datum] = {}

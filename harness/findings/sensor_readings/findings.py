@@ -8,12 +8,12 @@ import json
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
 from typing import Any
 
 import pandas as pd
 
 from plumbline.harness.findings.columns import known
+from plumbline.harness.findings.once import once
 from plumbline.harness.findings.parameter_words import in_words, other_values
 from plumbline.harness.findings.sensor_readings.channel import RAYS, Channel, channels, rays_of
 from plumbline.harness.findings.sensor_readings.converged import converged_readings
@@ -105,7 +105,7 @@ def concerned(store: Store) -> pd.DataFrame:
     return trials[mine | (trials["unit"] == "ray")] if mine.any() else trials[mine]
 
 
-@lru_cache(maxsize=1)
+@once
 def findings(store: Store) -> tuple[Finding, ...]:
     """All findings of a run, engine beside engine; worked out once for a store, since it reads every trajectory."""
     every = list(_findings(store))

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from plumbline.harness.findings.columns import Column, Row, Table, names, outcome, side
-from plumbline.harness.findings.once import once
+from plumbline.harness.findings.once import all_once
 from plumbline.harness.store.journal import NotKept
 from plumbline.harness.store.store import Store
 from plumbline.harness.trajectory import Floats
@@ -62,7 +62,7 @@ class Repetition:
     trial_first: str
 
 
-@once
+@all_once
 def repetitions(store: Store) -> Iterator[Repetition]:
     """All repetitions of a run."""
     alterations = [json.loads(text) for text in store.trials["alteration"]]

@@ -8,13 +8,13 @@ import json
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
 from operator import attrgetter
 from typing import Any
 
 import pandas as pd
 
 from plumbline.harness.findings.columns import Column, Row, Table, names, scene
+from plumbline.harness.findings.once import once
 from plumbline.harness.findings.parameter_words import in_words, other_values
 from plumbline.harness.findings.samples import Block, BlockSample, ratio_in_blocks, samples_by_block
 from plumbline.harness.search.better import ANSWERED, UNDER, Comparison, Question, compared, run_of
@@ -83,7 +83,7 @@ class _Beside:
     rough: float
 
 
-@lru_cache(maxsize=1)
+@once
 def changes(store: Store) -> tuple[Change, ...]:
     """All rows of a run, those that beat the track first; worked out once for a store."""
     asked = {experiment.name: experiment for experiment in experiments_of(store) if experiment.dominance}

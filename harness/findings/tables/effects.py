@@ -19,7 +19,7 @@ from plumbline.harness.findings.effects_audit import (
     savings,
     scenes_of,
 )
-from plumbline.harness.findings.once import once
+from plumbline.harness.findings.once import all_once
 from plumbline.harness.findings.parameter_words import differing, in_words
 from plumbline.harness.findings.samples import Block, BlockSample, ratio_in_blocks, samples_by_block
 from plumbline.harness.search.needless_effects import Consequence, Scale, departure, matters, scale_in, weighed
@@ -68,7 +68,7 @@ def verdicts_if_described(store: Store) -> tuple[Verdict, ...]:
     return verdicts(store) if store.catalogue else ()
 
 
-@once
+@all_once
 def verdicts(store: Store) -> Iterator[Verdict]:
     """All rows of a run."""
     trials = store.trials

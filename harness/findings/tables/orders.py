@@ -17,7 +17,7 @@ import pandas as pd
 
 from plumbline.harness.findings.columns import Column, Table, plain
 from plumbline.harness.findings.integrators import called
-from plumbline.harness.findings.once import once
+from plumbline.harness.findings.once import all_once
 from plumbline.harness.findings.parameter_words import in_words, other_values
 from plumbline.harness.statistics.order import Order, falls_short, fit_order
 from plumbline.harness.store.rows import grouped
@@ -67,7 +67,7 @@ _OF_FIT = ("order", "low", "high", "used", "floor", "coarse", "fine")
 COLUMNS = ("case", "where", "engine", "track", "metric", "integrator", *_OF_FIT, "promised", "verdict", "finding")
 
 
-@once
+@all_once
 def convergences(store: Store) -> list[Convergence]:
     """One row for each ladder of at least three steps, experiments that share settings taken together."""
     cases, engines = store.catalogue.get("cases", {}), store.catalogue.get("engines", {})

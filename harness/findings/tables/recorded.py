@@ -13,13 +13,13 @@ The share explained is 1 less the sum of squares that is left over that before.
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
-from functools import lru_cache
 
 import numpy as np
 
 from plumbline.harness.findings.agreement.found import agreements
 from plumbline.harness.findings.agreement.values import Agreement
 from plumbline.harness.findings.columns import Column, Table, plain
+from plumbline.harness.findings.once import once
 from plumbline.harness.intake.safe_text import quoted
 from plumbline.harness.scene import Prismatic, Revolute, Scene
 from plumbline.harness.store.imported_scenes import states_of
@@ -65,7 +65,7 @@ class JointError:
     trial: str
 
 
-@lru_cache(maxsize=2)
+@once
 def joint_errors(store: Store) -> tuple[JointError, ...]:
     """Of all scenes that a recorded robot stands beside."""
     return tuple(error for agreement in agreements(store) for error in _of(store, agreement))

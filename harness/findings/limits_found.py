@@ -142,10 +142,6 @@ class Search:
         return self.substep is None or not self.parts or self.substep * self.parts >= self.dt * (1 - 1e-9)
 
 
-def _experiments(store: Store) -> dict[str, Experiment]:
-    return {experiment.name: experiment for experiment in experiments_of(store) if experiment.limit is not None}
-
-
 def _ruler(store: Store, experiment: Experiment, case: str) -> Ruler:
     about = store.described("cases", case)
     hard = None if about["hard"] is None else Axis(**about["hard"])
@@ -187,7 +183,7 @@ def _measured(store: Store) -> _Measured:
 @all_once
 def searches(store: Store) -> Iterator[Search]:
     """All searches of a run, those for remedies with them."""
-    experiments = _experiments(store)
+    experiments = {experiment.name: experiment for experiment in experiments_of(store) if experiment.limit is not None}
     if not experiments:
         return
     measured = _measured(store)

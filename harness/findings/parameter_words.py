@@ -2,6 +2,7 @@
 its unit, since a name like `n` says nothing outside of its case.
 """
 
+import json
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
@@ -130,6 +131,12 @@ def differing(given: Iterable[Mapping[str, Any]], own: Mapping[str, Any]) -> lis
 def other_values(given: Mapping[str, Any], own: Mapping[str, Any]) -> dict[str, Any]:
     """What one scene was given in place of the case's own values, by name."""
     return {name: given[name] for name in differing([given], own)}
+
+
+def where_of(catalogue: Mapping[str, Any], case: str, parameters: str) -> str:
+    """What a scene was given (JSON) in place of its case's own values, in words."""
+    own = catalogue.get("cases", {}).get(case, {}).get("parameters") or {}
+    return in_words(other_values(json.loads(parameters), own))
 
 
 def in_words(values: Mapping[str, Any] | Sequence[tuple[str, Any]]) -> str:

@@ -10,7 +10,6 @@ An error that no run comes down to is none that an engine could never reach: whe
 with the step, the step at which that trend would get there is foreseen.
 """
 
-import json
 import math
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
@@ -25,7 +24,7 @@ import pandas as pd
 from plumbline.harness.findings.agreement.found import errors_of
 from plumbline.harness.findings.cost_point import Point, foreseen
 from plumbline.harness.findings.once import once
-from plumbline.harness.findings.parameter_words import in_words, other_values
+from plumbline.harness.findings.parameter_words import where_of
 from plumbline.harness.findings.samples import Block, samples_by_block
 from plumbline.harness.findings.search_effort import Effort, Ended, efforts
 from plumbline.harness.findings.steps_taken import substeps_of
@@ -140,8 +139,7 @@ class Prices:
         """The trials of one case at one set of parameters; where: what differs from the case's own, in words."""
         trials = self._store.asked
         for (case, parameters), group in trials.groupby(["case", "parameters"], sort=False):
-            own = self._cases.get(case, {}).get("parameters", {})
-            yield case, in_words(other_values(json.loads(parameters), own)), group
+            yield case, where_of(self._store.catalogue, case, parameters), group
 
     @cached_property
     def points(self) -> tuple[Point, ...]:

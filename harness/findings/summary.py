@@ -152,13 +152,9 @@ def rows(trials: pd.DataFrame, catalogue: Mapping[str, Any]) -> list[Row]:
         Row(case, engine, track, dt, _joined(told, ways if apart else ()), status, reason, len(ways))
         for (case, engine, track, dt, told, status), by_reason in groups.items()
         for reason, ways in by_reason.items()
-        for apart in (len(by_reason) > 1 or _once_more(ways),)
+        # Where the scene was run once more each time, its first run ended otherwise.
+        for apart in (len(by_reason) > 1 or not {"", ALIKE, EVERY_STEP} & set(ways),)
     ]
-
-
-def _once_more(ways: Sequence[str]) -> bool:
-    """Was the scene run once more each time? Its first run ended otherwise then."""
-    return not {"", ALIKE, EVERY_STEP} & set(ways)
 
 
 def _joined(told: str, ways: Sequence[str]) -> str:

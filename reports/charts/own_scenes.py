@@ -13,8 +13,7 @@ from plumbline.harness.store.store import Store
 from plumbline.reports.charts.figure import Figure, thin
 from plumbline.reports.charts.grammar import Row, channel, chart, hovering
 from plumbline.reports.charts.marks import Marks, decades, finished, logarithmic
-from plumbline.reports.tables.own_scenes import titles
-from plumbline.reports.words.catalogue import labels
+from plumbline.reports.words.catalogue import labels, titles
 from plumbline.reports.words.text import amount, slug, visible
 
 LEAST = 1e-12

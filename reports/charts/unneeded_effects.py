@@ -12,10 +12,6 @@ from plumbline.reports.words.catalogue import cases, labels
 from plumbline.reports.words.text import amount
 
 
-def _priced(verdicts: Sequence[Verdict]) -> list[Verdict]:
-    return [verdict for verdict in verdicts if verdict.verdict == EVERYTHING and verdict.cost is not None]
-
-
 def savings_chart(store: Store, verdicts: Sequence[Verdict]) -> Figure | None:
     """The cost of everything on over that of each scene as it is, engine under engine; None where nothing was clocked."""
     rows: list[Row] = [
@@ -26,7 +22,8 @@ def savings_chart(store: Store, verdicts: Sequence[Verdict]) -> Figure | None:
             "case": f"{cases(store)[verdict.case]['title']} {verdict.where}".strip(),
             "trial": verdict.trial,
         }
-        for verdict in _priced(verdicts)
+        for verdict in verdicts
+        if verdict.verdict == EVERYTHING and verdict.cost is not None
     ]
     if not rows:
         return None

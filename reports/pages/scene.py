@@ -29,11 +29,11 @@ from plumbline.reports.pictures.answer_pictures import Drawn
 from plumbline.reports.pictures.case_pictures import Sight, sight
 from plumbline.reports.recordings.layout import file_name
 from plumbline.reports.tables.csv import sheet
-from plumbline.reports.tables.own_scenes import by_case, shown, summary, titles
+from plumbline.reports.tables.own_scenes import by_case, shown, summary
 from plumbline.reports.tables.price_list import price_list, scenes
 from plumbline.reports.tables.trial_results import answers, as_csv, in_order, is_file, measured_of, metrics_of, trial
 from plumbline.reports.words.altered_parameters import departures
-from plumbline.reports.words.catalogue import FAMILIES, case_file, cases, engines, tracks
+from plumbline.reports.words.catalogue import FAMILIES, case_file, cases, engines, titles, tracks
 from plumbline.reports.words.emulated_features import laws_of_case
 from plumbline.reports.words.status import FINITE, STATUSES, VERDICTS
 from plumbline.reports.words.text import slug

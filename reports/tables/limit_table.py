@@ -89,11 +89,6 @@ def _within(reach: Reach) -> Cell:
     return Cell(reach.reach, amount(reach.held), reach.setting, hint)
 
 
-def _first_clause(reason: str) -> str:
-    """What a narrow cell has room for of a reason."""
-    return reason.partition(":")[0]
-
-
 def cell(search: Search, law: str = "") -> Cell:
     """One search in words; law: whose laws it is about, where they are not all the engine's own."""
     if search.verdict == CONSTANT:
@@ -102,7 +97,7 @@ def cell(search: Search, law: str = "") -> Cell:
         text, why = f"≥ {amount(search.held)}", ""
     elif search.held is None:
         text = VERDICTS.get(search.verdict, search.verdict) if search.broke is None else f"< {amount(search.easy)}"
-        why = signs(search) or _first_clause(search.reason)
+        why = signs(search) or search.reason.partition(":")[0]
     else:
         text, why = amount(search.held), signs(search) if search.broke is not None else search.verdict
     share = "" if search.share is None else f"; {100 * search.share:.0f} % held at {amount(search.broke)}"

@@ -11,7 +11,7 @@ from plumbline.harness.findings.agreement.words import present_words, scene_word
 from plumbline.harness.findings.once import once
 from plumbline.harness.findings.tables.recorded import joint_errors, recorded_words
 from plumbline.harness.store.store import Store
-from plumbline.reports.words.catalogue import engines
+from plumbline.reports.words.catalogue import titles
 from plumbline.reports.words.status import FINITE, VERDICTS, Outcome, outcome
 
 
@@ -31,11 +31,6 @@ def chips(store: Store) -> Mapping[tuple[str, str, str], tuple[Outcome, str]]:
         for agreement in agreements(store)
         for side in agreement.sides
     }
-
-
-def titles(store: Store) -> Mapping[str, str]:
-    """What engines are called in sentences."""
-    return {name: str(engine["title"]) for name, engine in engines(store).items()}
 
 
 def summary(store: Store, case: str) -> list[str]:

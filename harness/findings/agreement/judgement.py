@@ -123,7 +123,7 @@ def _in_camps(
     # Whose limit is known for long speaks before one that is sharp for a moment.
     widths = [side.limit.bar_at(shortest) + max(until - side.limit.until, 0.0) * _SHORT for side in known]
     letters = {
-        (side.engine, side.track): tuple(_letter(number) for number in camp)
+        (side.engine, side.track): tuple(chr(ord("A") + number % 26) * (1 + number // 26) for number in camp)
         for side, camp in zip(known, camps(agree, widths), strict=True)
     }
     sides = _counted_tracks([replace(side, camps=letters.get((side.engine, side.track), ())) for side in plain.sides])
@@ -141,10 +141,6 @@ def _majority(made: Agreement, until: float) -> str:
 
 _SHORT = 1.0
 """Share of the size for each second that a limit is not known: more than any bar of one that is."""
-
-
-def _letter(number: int) -> str:
-    return chr(ord("A") + number % 26) * (1 + number // 26)
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,11 +7,12 @@ import json
 from collections import Counter
 from collections.abc import Collection, Hashable, Iterable, Mapping
 from dataclasses import dataclass
+from operator import attrgetter
 from pathlib import PurePath
 from typing import Any
 
 from plumbline.harness.case.own_titles import OWN
-from plumbline.harness.findings.parameter_words import in_words, other_values
+from plumbline.harness.findings.parameter_words import where_of
 from plumbline.harness.findings.steps_taken import substeps_of
 from plumbline.harness.store.store import Store
 
@@ -66,7 +67,8 @@ def matched(store_a: Store, store_b: Store, *, renamed: bool = False) -> tuple[P
     ambiguous = {key for keys in (keys_a, keys_b) for key, count in Counter(keys).items() if count > 1}
 
     def named(keys: Iterable[Hashable], rows: Iterable[Any]) -> dict[Hashable, Any]:
-        return {(key, _further(row) if key in ambiguous else ()): row for key, row in zip(keys, rows, strict=True)}
+        apart = attrgetter(*_APART)
+        return {(key, apart(row) if key in ambiguous else ()): row for key, row in zip(keys, rows, strict=True)}
 
     of_a, of_b = named(keys_a, rows_a), named(keys_b, rows_b)
     return tuple(Pair(of_a.get(key), of_b.get(key)) for key in (*of_b, *(key for key in of_a if key not in of_b)))
@@ -92,19 +94,9 @@ def scene_of(case: str) -> str:
     return OWN + PurePath(case.removeprefix(OWN)).name if case.startswith(OWN) else case
 
 
-def _further(row: Any) -> Hashable:
-    return tuple(getattr(row, name) for name in _APART)
-
-
 def requested(row: Any) -> dict[str, Any]:
     """The settings that a trial asked for, without where they come from."""
     return {name: value for name, value in json.loads(row.settings).items() if name != "source"}
-
-
-def where_of(row: Any, catalogue: Mapping[str, Any]) -> str:
-    """The parameters in which a trial departs from its case, in words."""
-    own = catalogue.get("cases", {}).get(row.case, {}).get("parameters", {})
-    return in_words(other_values(json.loads(row.parameters), own))
 
 
 def located(a: Any, b: Any, catalogue: Mapping[str, Any]) -> dict[str, Any]:
@@ -113,7 +105,7 @@ def located(a: Any, b: Any, catalogue: Mapping[str, Any]) -> dict[str, Any]:
         "case": b.case,
         "engine": b.engine,
         "track": b.track,
-        "where": where_of(b, catalogue),
+        "where": where_of(catalogue, b.case, b.parameters),
         "dt": float(b.dt),
         "substeps": substeps_of(str(b.resolved)),
         "trial_a": str(a.trial),

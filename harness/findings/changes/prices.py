@@ -122,7 +122,7 @@ class _Samples:
 
 def clocked(pairs: Sequence[Pair]) -> list[Pair]:
     """The pairs with a price on both sides."""
-    return [pair for pair in pairs if all(_positive(row.cpu_per_unit) for row in (pair.a, pair.b))]
+    return [pair for pair in pairs if all((row.cpu_per_unit or 0.0) > 0 for row in (pair.a, pair.b))]
 
 
 def judged_prices(store_a: Store, store_b: Store, pairs: Sequence[Pair]) -> list[Pair]:
@@ -153,10 +153,6 @@ def price_changes(
         for price in mine:
             if (change := _of_one(price, by, beside.get(_question(price)), store_b.catalogue)) is not None:
                 yield change
-
-
-def _positive(value: Any) -> bool:
-    return value is not None and value == value and value > 0
 
 
 def _samples(store: Store) -> dict[str, _Samples]:

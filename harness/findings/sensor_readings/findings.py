@@ -4,7 +4,6 @@ A finding tells of the trial that stands nearest to its case's own time step; pr
 the sensors or their bare rays. A trial without readings is a finding without a channel, with its outcome.
 """
 
-import json
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -14,7 +13,7 @@ import pandas as pd
 
 from plumbline.harness.findings.columns import known
 from plumbline.harness.findings.once import once
-from plumbline.harness.findings.parameter_words import in_words, other_values
+from plumbline.harness.findings.parameter_words import where_of
 from plumbline.harness.findings.sensor_readings.channel import RAYS, Channel, channels, rays_of
 from plumbline.harness.findings.sensor_readings.converged import converged_readings
 from plumbline.harness.findings.sensor_readings.depth import Levels, depth_levels, depth_noise
@@ -130,11 +129,10 @@ def _findings(store: Store) -> Iterator[Finding]:
     trials = concerned(store)[_READ]
     for (case, parameters, engine, track), runs in trials.groupby(["case", "parameters", "engine", "track"], sort=False):
         about = cases.get(case, {})
-        given = other_values(json.loads(parameters), about.get("parameters", {}))
         row = _nearest(runs, about.get("dt"))
         plain = Finding(
             case=case,
-            where=in_words(given),
+            where=where_of(store.catalogue, case, parameters),
             engine=engine,
             track=track,
             dt=float(row["dt"]),

@@ -15,7 +15,7 @@ import pandas as pd
 
 from plumbline.harness.findings.columns import Column, Row, Table, names, scene
 from plumbline.harness.findings.once import once
-from plumbline.harness.findings.parameter_words import in_words, other_values
+from plumbline.harness.findings.parameter_words import in_words, other_values, where_of
 from plumbline.harness.findings.samples import Block, BlockSample, ratio_in_blocks, samples_by_block
 from plumbline.harness.search.better import ANSWERED, UNDER, Comparison, Question, compared, run_of
 from plumbline.harness.search.dominance import MAYBE, kept_parameters
@@ -108,7 +108,7 @@ def _of_scene(store: Store, scene: Sequence[Row], samples: Sampled) -> list[Chan
     given = json.loads(track["parameters"])
     blank = Change(
         case=track["case"],
-        where=in_words(other_values(given, case["parameters"])),
+        where=where_of(store.catalogue, track["case"], track["parameters"]),
         engine=track["engine"],
         ours=bool(engine["ours"]),
         verdict=str(track["status"]),
@@ -118,8 +118,13 @@ def _of_scene(store: Store, scene: Sequence[Row], samples: Sampled) -> list[Chan
     if not tried:
         # Nothing of it can be expressed, or the run was broken off: what became of the track itself.
         return [replace(blank, change="tuned", reason=str(track["reason"]))] if track["status"] not in ANSWERED else []
+    tuned = {row["parameters"]: row for row in reversed(scene) if row["track"] == "tuned"}
     question, settings = Question.described(case), json.loads(track["settings"])
-    beside = {row["trial"]: _beside(store, question, _track_at(scene, row), row, samples) for row in scene if _is_change(row)}
+    beside = {
+        row["trial"]: _beside(store, question, tuned.get(row["parameters"]), row, samples)
+        for row in scene
+        if row["track"] != "tuned"
+    }
     single = [_judged(row, blank, _turn(settings, row), beside, scene, given, track, engine["trade_offs"]) for row in tried]
     idle = [replace(blank, change=str(Turn(*turn)), verdict=IDLE) for turn in store.idle.get(track["trial"], ())]
     used = {change.reason for change in single if change.verdict == EXCUSED}
@@ -129,15 +134,6 @@ def _of_scene(store: Store, scene: Sequence[Row], samples: Sampled) -> list[Chan
         if track["case"] in one["cases"] and list(one["at"]) != ["ladder"] and not blank.where and one["why"] not in used
     ]
     return [*_folded([*single, *idle]), *stale]
-
-
-def _is_change(row: Row) -> bool:
-    return bool(row["track"] != "tuned")
-
-
-def _track_at(scene: Sequence[Row], row: Row) -> Row | None:
-    """The track at the parameters of a row."""
-    return next((one for one in scene if one["track"] == "tuned" and one["parameters"] == row["parameters"]), None)
 
 
 def _turn(settings: Mapping[str, Any], row: Row) -> Turn | None:

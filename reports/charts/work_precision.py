@@ -9,14 +9,14 @@ from typing import Any
 from plumbline.harness.findings.cost_point import Point
 from plumbline.harness.findings.prices import LEAST, PER_SECOND
 from plumbline.harness.store.store import Store
-from plumbline.reports.charts.figure import Figure, thin
+from plumbline.reports.charts.figure import Figure, tabled, thin
 from plumbline.reports.charts.grammar import Row, channel, chart, fixed, hovering
 from plumbline.reports.charts.marks import LANE, POINT, TRACKS, Marks, decades, finished, lane_names, lane_texts, logarithmic
 from plumbline.reports.charts.palette import looks
 from plumbline.reports.tables.price_list import Scene, scenes
 from plumbline.reports.words.catalogue import case_file, engines, labels, titled
 from plumbline.reports.words.status import outcome
-from plumbline.reports.words.text import TIMES, amount, duration, power, step, visible
+from plumbline.reports.words.text import TIMES, duration, power, step, visible
 
 WIDE, HIGH = 200, 132
 """Of a miniature, in its own units; LEFT and BELOW leave room for the numbers of its axes, MARGIN for its marks."""
@@ -111,30 +111,12 @@ def work_precision(store: Store, scene: Scene) -> Figure:
         + (" Small faint points were not clocked: their cost is a rough one." if rough else "")
         + (" Trials without an error or a cost are counted above the frame." if lanes else "")
     )
-    columns = (
-        "engine",
-        "setting",
-        "time step",
-        "error",
-        "truth off by",
-        "CPU time [s]",
-        "95 % from [s]",
-        "to [s]",
-        "timing",
-        "outcome",
-        "trial",
-    )
-    numbers = ("error", "off", "cost", "low", "high")
-    cells = [
-        [
-            *(row[key] for key in ("engine", "setting", "step")),
-            *(amount(row[key]) for key in numbers),
-            *(row[key] for key in ("timing", "status", "trial")),
-        ]
-        for row in rows
-    ]
+    named = ("engine", "engine"), ("setting", "setting"), ("time step", "step")
+    costs = ("CPU time [s]", "cost"), ("95 % from [s]", "low"), ("to [s]", "high")
+    ends = ("timing", "timing"), ("outcome", "status"), ("trial", "trial")
+    table = tabled(rows, *named, ("error", "error"), ("truth off by", "off"), *costs, *ends)
     title = f"{'Speed' if paced else 'Cost'} against error" + (f": {visible(scene.where)[:60]}" if scene.where else "")
-    return Figure(scene.name, title, caption, finished(layers, height=340), columns, cells, how)
+    return Figure(scene.name, title, caption, finished(layers, height=340), *table, how)
 
 
 def tallies(store: Store, scene: Scene) -> list[Row]:

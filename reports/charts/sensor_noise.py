@@ -20,13 +20,22 @@ LAW = "#8a93a0"
 
 def noise_charts(store: Store, findings: Iterable[Finding]) -> list[Figure]:
     """A chart for each noisy channel of each scene."""
-    noisy = (f for f in findings if f.allan is not None or f.histogram is not None or f.levels is not None)
+    noisy = (finding for finding in findings if finding.curve is not None)
     groups = grouped(noisy, attrgetter("case", "where", "sensor", "channel"))
-    return [_drawn(group)(store, group) for group in groups.values()]
+    drawn = {"imu": _allan, "lidar": _histogram, "depth_camera": _depth}
+    return [drawn[group[0].type](store, group) for group in groups.values()]
 
 
-def _drawn(group: Sequence[Finding]) -> Callable[[Store, Sequence[Finding]], Figure]:
-    return _allan if group[0].allan is not None else _histogram if group[0].histogram is not None else _depth
+def _points(store: Store, group: Sequence[Finding], *names: str) -> tuple[list[Row], list[Row]]:
+    """Rows of all engines, and those of the first alone, which say the law. Args: names: of at, found, law, low and high."""
+    by_engine = []
+    for finding in group:
+        if (curve := finding.curve) is not None:
+            values = zip(curve.at, curve.found, curve.law, curve.low, curve.high, strict=True)
+            count = {"count": curve.count, "beyond": curve.beyond} if curve.count else {}
+            said = _said(store, finding) | count
+            by_engine.append([said | dict(zip(names, map(float, value), strict=True)) for value in values])
+    return [row for rows in by_engine for row in rows], [{name: row[name] for name in names} for row in by_engine[0]]
 
 
 def _said(store: Store, finding: Finding) -> Row:
@@ -72,17 +81,7 @@ def _tooltips(*numbers: tuple[str, str]) -> list[Any]:
 
 def _allan(store: Store, group: Sequence[Finding]) -> Figure:
     first, known = group[0], group[0].noise.law
-    rows: list[Row] = []
-    law: list[Row] = []
-    for finding in group:
-        if finding.allan is None:
-            continue
-        points = zip(
-            finding.allan.time, finding.allan.found, finding.allan.law, finding.allan.low, finding.allan.high, strict=True
-        )
-        mine = [dict(zip(("tau", "value", "law", "low", "high"), map(float, point), strict=True)) for point in points]
-        law = law or mine
-        rows += [_said(store, finding) | point for point in mine]
+    rows, law = _points(store, group, "tau", "value", "law", "low", "high")
     x = logarithmic("tau", "averaging time [s]", decades(row["tau"] for row in rows))
     span = decades(row[key] for row in rows for key in ("value", "low", "high"))
 
@@ -104,18 +103,7 @@ def _allan(store: Store, group: Sequence[Finding]) -> Figure:
 
 def _histogram(store: Store, group: Sequence[Finding]) -> Figure:
     first = group[0]
-    rows: list[Row] = []
-    law: list[Row] = []
-    for finding in group:
-        if finding.histogram is None:
-            continue
-        h = finding.histogram
-        mine = [
-            dict(zip(("at", "value", "law", "low", "high"), map(float, point), strict=True))
-            for point in zip(h.middle, h.density, h.law, h.low, h.high, strict=True)
-        ]
-        law = law or mine
-        rows += [_said(store, finding) | point | {"count": h.count, "beyond": h.beyond} for point in mine]
+    rows, law = _points(store, group, "at", "value", "law", "low", "high")
     x = channel("at:Q", title="range error over its standard deviation by law", scale={"domain": [-4, 4], "nice": False})
 
     def y(field: str) -> Any:
@@ -135,17 +123,8 @@ def _histogram(store: Store, group: Sequence[Finding]) -> Figure:
 
 def _depth(store: Store, group: Sequence[Finding]) -> Figure:
     first = group[0]
-    rows: list[Row] = []
-    law: list[Row] = []
-    for finding in group:
-        if finding.levels is None:
-            continue
-        points = zip(
-            finding.levels.depth, finding.levels.sigma, finding.levels.low, finding.levels.high, finding.levels.law, strict=True
-        )
-        mine = [dict(zip(("depth", "value", "least", "most", "law"), map(float, point), strict=True)) for point in points]
-        law = law or [{key: point[key] for key in ("depth", "law")} for point in mine]
-        rows += [_said(store, finding) | point for point in mine]
+    rows, law = _points(store, group, "depth", "value", "law", "least", "most")
+    law = [{name: point[name] for name in ("depth", "law")} for point in law]
     x = channel("depth:Q", title="depth [m]", scale={"zero": False, "padding": 14})
     span = decades(row["value"] for row in rows)
 

@@ -170,7 +170,7 @@ def test_an_allan_deviation_lies_in_the_band_of_its_law_and_doubled_noise_twice_
     assert clean is not None
     assert loud is not None
     # White noise of density N: N / sqrt(tau), by IEEE Std 952.
-    assert clean.law == pytest.approx(2e-3 / np.sqrt(clean.time), rel=1e-9)
+    assert clean.law == pytest.approx(2e-3 / np.sqrt(clean.at), rel=1e-9)
     assert clean.found[:6] == pytest.approx(clean.law[:6], rel=0.1)
     assert loud.found[:6] == pytest.approx(2 * loud.law[:6], rel=0.1)
     assert (clean.low < clean.law).all()
@@ -208,11 +208,11 @@ def test_a_histogram_of_range_errors_is_a_density_and_sees_a_doubled_spread() ->
     clean, loud = (range_histogram(channel_of(sensing(4, louder=k), "lidar", "range")) for k in (1.0, 2.0))
     assert clean is not None
     assert loud is not None
-    width = clean.middle[1] - clean.middle[0]
-    assert float(clean.density.sum() * width) + clean.beyond / clean.count == pytest.approx(1.0)
+    width = clean.at[1] - clean.at[0]
+    assert float(clean.found.sum() * width) + clean.beyond / clean.count == pytest.approx(1.0)
     # 19 of 20 bins: of 32, fewer than 24 inside would be one in a hundred thousand.
-    assert np.sum((clean.density >= clean.low) & (clean.density <= clean.high)) >= 24
-    assert np.sum((loud.density >= loud.low) & (loud.density <= loud.high)) < 12
+    assert np.sum((clean.found >= clean.low) & (clean.found <= clean.high)) >= 24
+    assert np.sum((loud.found >= loud.low) & (loud.found <= loud.high)) < 12
 
 
 def test_the_spread_of_depth_grows_as_each_principle_says() -> None:
@@ -229,10 +229,10 @@ def test_the_spread_of_depth_grows_as_each_principle_says() -> None:
 
 
 def test_depth_errors_over_depth_follow_the_law(store: Store) -> None:
-    levels = of(store, "reference", "depth", "depth").levels
+    levels = of(store, "reference", "depth", "depth").curve
     assert levels is not None
-    assert (np.diff(levels.depth) > 0).all()
-    assert levels.sigma == pytest.approx(levels.law, rel=0.25)
+    assert (np.diff(levels.at) > 0).all()
+    assert levels.found == pytest.approx(levels.law, rel=0.25)
     assert np.mean((levels.low < levels.law) & (levels.law < levels.high)) > 0.7
 
 

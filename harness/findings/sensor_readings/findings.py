@@ -5,7 +5,7 @@ the sensors or their bare rays. A trial without readings is a finding without a 
 """
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -16,19 +16,24 @@ from plumbline.harness.findings.once import once
 from plumbline.harness.findings.parameter_words import where_of
 from plumbline.harness.findings.sensor_readings.channel import RAYS, Channel, channels, rays_of
 from plumbline.harness.findings.sensor_readings.converged import converged_readings
-from plumbline.harness.findings.sensor_readings.depth import Levels, depth_levels, depth_noise
+from plumbline.harness.findings.sensor_readings.depth import depth_levels, depth_noise
 from plumbline.harness.findings.sensor_readings.ideal import IdealErrors, ideal_errors
-from plumbline.harness.findings.sensor_readings.inertial import Allan, allan_curve, inertial_noise
+from plumbline.harness.findings.sensor_readings.inertial import allan_curve, inertial_noise
 from plumbline.harness.findings.sensor_readings.lag import lag_by_law, lag_of
-from plumbline.harness.findings.sensor_readings.noise import SILENT, Noise
+from plumbline.harness.findings.sensor_readings.noise import SILENT, Noise, NoiseCurve
 from plumbline.harness.findings.sensor_readings.picture import Picture, first_picture
-from plumbline.harness.findings.sensor_readings.ranging import Histogram, range_histogram, ranging_noise
+from plumbline.harness.findings.sensor_readings.ranging import range_histogram, ranging_noise
 from plumbline.harness.scene import Lidar, Scene
 from plumbline.harness.scene.file import parse
 from plumbline.harness.store.journal import StoreError
 from plumbline.harness.store.store import Store
 
-MEASURES = {"imu": inertial_noise, "lidar": ranging_noise, "depth_camera": depth_noise}
+MEASURES: Mapping[str, tuple[Callable[[Channel], Noise | None], Callable[[Channel], NoiseCurve | None]]] = {
+    "imu": (inertial_noise, allan_curve),
+    "lidar": (ranging_noise, range_histogram),
+    "depth_camera": (depth_noise, depth_levels),
+}
+"""What is found of noise beside its law, as numbers and as a curve, by the type of a sensor."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -44,7 +49,7 @@ class Finding:
         bare_rays_per_s: of the beams, or of the case's own rays, alone; times_bare: what a ray that is read costs over a bare
         one, where all rays of the scene are beams. cpu_sensing [s]: of one interval of the scene's sensors.
         trial: the readings'; trial_sensing, trial_bare: the prices'. reason: why there is no answer, or what a number lacks.
-        allan, histogram, levels, picture: what charts draw.
+        curve, picture: what charts draw.
     """
 
     case: str
@@ -78,16 +83,14 @@ class Finding:
     trial: str
     trial_sensing: str = ""
     trial_bare: str = ""
-    allan: Allan | None = None
-    histogram: Histogram | None = None
-    levels: Levels | None = None
+    curve: NoiseCurve | None = None
     picture: Picture | None = None
 
 
 _READ = ["case", "parameters", "engine", "track", "dt", "seed", "status", "reason", "trial", "trajectory_hash"]
 _READ += ["unit", "cpu_per_unit"]
 """Columns of a trial that are read here; to take the others along costs more than all else that is done with a row."""
-SKETCHES = ("allan", "histogram", "levels", "picture")
+SKETCHES = ("curve", "picture")
 """Fields for charts, too large for a row."""
 
 
@@ -190,7 +193,7 @@ def _of_channel(
     prices: _Prices,
 ) -> Finding:
     errors = ideal_errors(channel)
-    measure = MEASURES.get(channel.type)
+    measure, sketch = MEASURES.get(channel.type, (None, lambda _: None))
     noise = (None if measure is None else measure(channel)) or SILENT
     lacking = [word for word in (plain.reason, errors.why, noise.why) if word]
     seeing = channel.sensor is not None and rays_of(channel.sensor) > 0
@@ -220,9 +223,7 @@ def _of_channel(
         reason="; ".join(lacking),
         trial_sensing=trial_sensing,
         trial_bare=trial_bare,
-        allan=allan_curve(channel) if channel.type == "imu" else None,
-        histogram=range_histogram(channel) if channel.type == "lidar" else None,
-        levels=depth_levels(channel) if channel.type == "depth_camera" else None,
+        curve=None if measure is None else sketch(channel),
         picture=first_picture(channel),
     )
 

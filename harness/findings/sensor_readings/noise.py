@@ -35,6 +35,24 @@ class Noise:
     why: str = ""
 
 
+@dataclass(frozen=True, slots=True)
+class NoiseCurve:
+    """What was found of noise beside its law, as a chart draws it, (k,) each: the Allan deviation over averaging times [s], the
+    density of range errors over their standard deviation by law, or the spread of depth errors [m] over depths [m].
+
+    Terms: low, high: where 95 % of findings lie if the law holds; of a spread, its own 95 % interval. count: of readings that a
+    density is of; beyond: those outside of all its bins.
+    """
+
+    at: Floats
+    found: Floats
+    law: Floats
+    low: Floats
+    high: Floats
+    count: int = 0
+    beyond: int = 0
+
+
 SILENT = Noise(law="")
 """Of a channel without noise."""
 

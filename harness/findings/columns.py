@@ -17,6 +17,22 @@ Row = Mapping[str, Any]
 """A flat row: the fields of an object by name."""
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Cell:
+    """What a row is of: an engine under one group of settings in one scene. Terms: where: what tells the scene from its case as
+    it is, in words."""
+
+    case: str
+    where: str
+    engine: str
+    track: str
+
+    @property
+    def cell(self) -> dict[str, str]:
+        """These four by name, for what else is said of the same."""
+        return {"case": self.case, "where": self.where, "engine": self.engine, "track": self.track}
+
+
 @dataclass(frozen=True, slots=True)
 class Span:
     """An interval, printed low to high."""

@@ -43,7 +43,7 @@ def _random(law: AxisNoise) -> bool:
 
 
 def allan_curve(channel: Channel) -> NoiseCurve | None:
-    """Of the noise of a channel over octaves, as the mean square over the axes; None without a law, or where too little was read."""
+    """Of the noise of a channel over octaves, a mean square over the axes; None without a law, or where too little was read."""
     from scipy import stats  # late: a listing must not pay for it
 
     law = _law_of(channel)

@@ -8,7 +8,7 @@ from typing import Any
 import pandas as pd
 
 from plumbline.harness.case.alteration import EVERYTHING, REFINED
-from plumbline.harness.findings.columns import Column, Row, Table, known, names, outcome, side
+from plumbline.harness.findings.columns import Cell, Column, Row, Table, known, names, outcome, side
 from plumbline.harness.findings.effects_audit import (
     AS_IT_IS,
     JUDGE,
@@ -28,7 +28,7 @@ from plumbline.harness.store.store import Store
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Verdict:
+class Verdict(Cell):
     """One effect of one scene on one engine, or everything on.
 
     Terms:
@@ -44,10 +44,6 @@ class Verdict:
         run that gave no answer. reason: what the engine says to it, or why it is not judged. trial: of the departure.
     """
 
-    case: str
-    where: str
-    engine: str
-    track: str
     effect: str
     effects: tuple[str, ...]
     declared: bool
@@ -141,6 +137,7 @@ def _of_side(
     plain = runs.get("")
     if plain is None:
         return
+    cell = {"case": plain.case, "where": where, "engine": engine, "track": track}
     about = store.described("cases", plain.case)
     declared, insists = set(about["effects"]), about.get("insists", {})
     scale = scale_in(store, runs)
@@ -156,10 +153,7 @@ def _of_side(
     ) -> Verdict:
         effects = () if isinstance(subject, str) else subject
         return Verdict(
-            case=plain.case,
-            where=where,
-            engine=engine,
-            track=track,
+            **cell,
             effect=subject if isinstance(subject, str) else ", ".join(subject),
             effects=effects,
             declared=declared.issuperset(effects) and bool(effects),

@@ -15,7 +15,7 @@ from typing import Any, Literal
 
 import pandas as pd
 
-from plumbline.harness.findings.columns import Column, Table, plain
+from plumbline.harness.findings.columns import Cell, Column, Table, plain
 from plumbline.harness.findings.integrators import called
 from plumbline.harness.findings.once import all_once
 from plumbline.harness.findings.parameter_words import in_words, other_values
@@ -36,7 +36,7 @@ _READ = ["trial", "case", "parameters", "engine", "track", "dt", "resolved"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Convergence:
+class Convergence(Cell):
     """How the headline error of a case shrinks with the time step on one engine under one group of settings.
 
     Terms:
@@ -45,10 +45,6 @@ class Convergence:
         none: nothing is promised. finding: a sentence where the promise is broken.
     """
 
-    case: str
-    where: str
-    engine: str
-    track: str
     metric: str
     integrator: str
     fit: Order | None
@@ -88,7 +84,8 @@ def convergences(store: Store) -> list[Convergence]:
         if len({rung.dt for rung in ladder}) >= 3:
             about = cases.get(case, {})
             where = in_words(other_values(_object(str(parameters)), about.get("parameters") or {}))
-            rows.append(_row(str(case), where, str(engine), str(track), about, engines.get(engine, {}), ladder))
+            cell = Cell(case=str(case), where=where, engine=str(engine), track=str(track))
+            rows.append(_row(cell, about, engines.get(engine, {}), ladder))
     return rows
 
 
@@ -115,9 +112,7 @@ def _seedless(parameters: str) -> str:
     return json.dumps({k: v for k, v in _object(parameters).items() if k != "seed"}, sort_keys=True)
 
 
-def _row(
-    case: str, where: str, engine: str, track: str, about: Mapping[str, Any], who: Mapping[str, Any], ladder: Sequence[_Rung]
-) -> Convergence:
+def _row(cell: Cell, about: Mapping[str, Any], who: Mapping[str, Any], ladder: Sequence[_Rung]) -> Convergence:
     integrators = sorted({str(_object(rung.resolved).get("integrator") or "") for rung in ladder})
     promised = _promise(about.get("converges", ""), who.get("orders", {}), integrators)
     by_step = grouped(zip(_taken(ladder), ladder, strict=True), itemgetter(0))
@@ -126,12 +121,9 @@ def _row(
     scale, duration = float(about.get("scale") or 1.0), float(about.get("duration") or 1.0)
     fit, outcome = verdict(steps, errors, promised, scale, duration)
     by = " and ".join(map(called, integrators))
-    title = f"{about.get('title') or case} on {who.get('title') or engine} ({track}, {by})"
+    title = f"{about.get('title') or cell.case} on {who.get('title') or cell.engine} ({cell.track}, {by})"
     return Convergence(
-        case=case,
-        where=where,
-        engine=engine,
-        track=track,
+        **cell.cell,
         metric=str(about.get("headline", "")),
         integrator=" ".join(integrators),
         fit=fit,

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from operator import itemgetter
 from typing import Any
 
-from plumbline.harness.findings.columns import Column, Row, Table, Titled, Titles, milli, names, scene
+from plumbline.harness.findings.columns import Cell, Column, Row, Table, Titled, Titles, milli, names, scene
 from plumbline.harness.findings.cost_point import Point
 from plumbline.harness.findings.prices import PER_SECOND, priced, unit_of
 from plumbline.harness.findings.standing import cheapness, is_reference, leaders
@@ -27,7 +27,7 @@ _READ = ["engine", "track", "dt", "resolved", "status", "trial"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Step:
+class Step(Cell):
     """How far the time step of one setting may go in one case.
 
     Terms:
@@ -37,10 +37,6 @@ class Step:
         cost. error: the error there. trial: that run.
     """
 
-    case: str
-    where: str
-    engine: str
-    track: str
     stable: float | None
     stable_substeps: int | None
     accurate: float | None
@@ -67,19 +63,12 @@ def largest_steps(store: Store) -> list[Step]:
         for (engine, track), runs in grouped(records(run), itemgetter("engine", "track")).items():
             if len({row["dt"] for row in runs}) >= FEWEST:
                 ladder = sorted(runs, key=lambda row: float(row["dt"]))
-                steps.append(_step(case, where, engine, track, ladder, known, timed))
+                cell = Cell(case=case, where=where, engine=engine, track=track)
+                steps.append(_step(cell, ladder, known, timed))
     return steps
 
 
-def _step(
-    case: str,
-    where: str,
-    engine: str,
-    track: str,
-    ladder: Sequence[Mapping[str, Any]],
-    known: Mapping[str, Point],
-    timed: bool,
-) -> Step:
+def _step(cell: Cell, ladder: Sequence[Mapping[str, Any]], known: Mapping[str, Point], timed: bool) -> Step:
     whole = [row["status"] in _WHOLE for row in ladder]
     points = [known.get(row["trial"]) for row in ladder]
     close = [point is not None and point.error <= WITHIN for point in points]
@@ -88,10 +77,7 @@ def _step(
     accurate, stable = _first(close), _first(whole)
     there = points[accurate - 1] if accurate else None
     return Step(
-        case=case,
-        where=where,
-        engine=engine,
-        track=track,
+        **cell.cell,
         stable=steps[stable - 1] if stable else None,
         stable_substeps=parts[stable - 1] if stable else None,
         accurate=steps[accurate - 1] if accurate else None,

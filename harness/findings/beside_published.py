@@ -17,7 +17,7 @@ _SAME = ("parameters", "engine", "track", "dt", "seed", "clocks", "workers")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Beside:
+class BesidePublished:
     """An engine in both.
 
     Terms: version, version_here: '' where it was not run. same: trials that both answered. differences: rows of those whose
@@ -34,7 +34,7 @@ class Beside:
     slower: float | None
 
 
-def beside_published(published: Store, store: Store) -> Mapping[str, Beside]:
+def beside_published(published: Store, store: Store) -> Mapping[str, BesidePublished]:
     """By engine, in the order of the dataset."""
     pairs = list(_pairs(published, store))
     ratios: dict[str, list[float]] = {}
@@ -46,7 +46,7 @@ def beside_published(published: Store, store: Store) -> Mapping[str, Beside]:
     besides = {}
     for engine in dict.fromkeys([*versions, *current]):
         mine = [(then, now) for then, now in pairs if now["engine"] == engine]
-        besides[engine] = Beside(
+        besides[engine] = BesidePublished(
             engine=engine,
             version=versions.get(engine, ""),
             version_here=current.get(engine, ""),

@@ -13,7 +13,7 @@ FORESIGHT = 1e-6
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Point:
+class CostPoint:
     """One trial on the plane of error and cost.
 
     Terms:
@@ -53,7 +53,7 @@ class Foreseen:
     track: str
 
 
-def foreseen(points: Sequence[Point], target: float) -> Foreseen | None:
+def foreseen(points: Sequence[CostPoint], target: float) -> Foreseen | None:
     """The cheapest step at which an error of these points of one engine, none of which comes down to it, would be `target`.
 
     Settings count whose error shrinks with the step down to the finest that was run: the fit reaches no floor, its interval

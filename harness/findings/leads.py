@@ -4,10 +4,10 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from operator import attrgetter
 
-from plumbline.harness.findings.cost_point import Point
+from plumbline.harness.findings.cost_point import CostPoint
 from plumbline.harness.findings.limits_found import CONSTANT, Hold, Search
 from plumbline.harness.findings.prices import Price
-from plumbline.harness.findings.standing import Extent, Question, cheapness, leaders, standing
+from plumbline.harness.findings.standing import Extent, LeadQuestion, cheapness, leaders, standing
 from plumbline.harness.store.rows import grouped
 
 BUDGETS = (1e-4, 1e-3)
@@ -111,9 +111,9 @@ def _reach(search: Search, at: str, condition: float, last: Sequence[Hold]) -> R
     )
 
 
-def _question(axis: Sequence[Reach]) -> Question:
+def _question(axis: Sequence[Reach]) -> LeadQuestion:
     extents = {reach.engine: (reach.reach, reach.further) for reach in axis if reach.held is not None}
-    return Question(extents, [reach.engine for reach in axis])
+    return LeadQuestion(extents, [reach.engine for reach in axis])
 
 
 def _led(axis: Sequence[Reach]) -> list[Reach]:
@@ -139,7 +139,7 @@ def axis_leads(reached: Sequence[Reach]) -> list[Lead]:
     return leads
 
 
-def pair_leads(prices: Sequence[Price], points: Sequence[Point]) -> list[Lead]:
+def pair_leads(prices: Sequence[Price], points: Sequence[CostPoint]) -> list[Lead]:
     """How often each engine leads in pairs of case and error that anybody reaches.
 
     At equal time that is the cheapest, within the intervals of costs, of which an upper bound has no lower end; at equal
@@ -147,7 +147,7 @@ def pair_leads(prices: Sequence[Price], points: Sequence[Point]) -> list[Lead]:
     """
     by_scene, pairs = grouped(points, attrgetter("case", "where")), grouped(prices, PAIR)
     coarsest = [
-        Question(_coarsest(by_scene.get((case, where), ()), target, _engines(offers)), _engines(offers))
+        LeadQuestion(_coarsest(by_scene.get((case, where), ()), target, _engines(offers)), _engines(offers))
         for (case, where, target), offers in pairs.items()
     ]
     leads = []
@@ -158,23 +158,23 @@ def pair_leads(prices: Sequence[Price], points: Sequence[Point]) -> list[Lead]:
     return leads
 
 
-def cheapest(prices: Sequence[Price]) -> list[Question]:
+def cheapest(prices: Sequence[Price]) -> list[LeadQuestion]:
     """Which engine to deploy is cheapest? Of each pair of case and error that one of them reaches."""
     questions = [_cheapest(offers).to_deploy for offers in grouped(prices, PAIR).values()]
     return [question for question in questions if question.extents]
 
 
-def _cheapest(offers: Sequence[Price]) -> Question:
+def _cheapest(offers: Sequence[Price]) -> LeadQuestion:
     """Of one pair; an upper bound says nothing of how little a cost may be."""
     costs = {
         price.engine: cheapness(price.cost, price.low, price.high, bound=price.verdict == "at most")
         for price in offers
         if price.cost
     }
-    return Question(costs, _engines(offers))
+    return LeadQuestion(costs, _engines(offers))
 
 
-def _coarsest(points: Iterable[Point], target: float, engines: Sequence[str]) -> dict[str, Extent]:
+def _coarsest(points: Iterable[CostPoint], target: float, engines: Sequence[str]) -> dict[str, Extent]:
     extents: dict[str, Extent] = {}
     for point in points:
         if point.engine in engines and point.error <= target:
@@ -183,5 +183,5 @@ def _coarsest(points: Iterable[Point], target: float, engines: Sequence[str]) ->
     return extents
 
 
-def _leads(what: str, at: str, condition: str, ours: bool, questions: Sequence[Question]) -> list[Lead]:
+def _leads(what: str, at: str, condition: str, ours: bool, questions: Sequence[LeadQuestion]) -> list[Lead]:
     return [Lead(what=what, at=at, condition=condition, ours=ours, **each._asdict()) for each in standing(questions)]

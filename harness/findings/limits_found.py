@@ -54,7 +54,7 @@ class Signs:
         return f"{self.status}: {self.reason}" if self.status and not self.counts else self.brief
 
 
-Beside = tuple[tuple[str, Any], ...]
+BesideValues = tuple[tuple[str, Any], ...]
 """Parameters with their values, and the time step [s] by the name `STEP`."""
 
 
@@ -81,7 +81,7 @@ class Search:
     experiment: str
     case: str
     where: str
-    beside: Beside
+    beside: BesideValues
     engine: str
     track: str
     dt: float
@@ -217,7 +217,9 @@ def _outer(trials: pd.DataFrame) -> list[float]:
     ]
 
 
-def _beside(others: "pd.Series[str]", steps: "pd.Series[float]", case: Mapping[str, Any]) -> dict[tuple[str, float], Beside]:
+def _beside(
+    others: "pd.Series[str]", steps: "pd.Series[float]", case: Mapping[str, Any]
+) -> dict[tuple[str, float], BesideValues]:
     """What tells the cells of an experiment apart, and from the case as it is."""
     cells = list(dict.fromkeys(zip(others, steps, strict=True)))
     parameters = [json.loads(text) for text, _ in cells]
@@ -232,7 +234,7 @@ def _beside(others: "pd.Series[str]", steps: "pd.Series[float]", case: Mapping[s
 def _search(
     name: str,
     case: str,
-    beside: Beside,
+    beside: BesideValues,
     side: tuple[str, str, int],
     help_: tuple[str, str],
     group: pd.DataFrame,

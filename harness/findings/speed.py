@@ -11,7 +11,7 @@ from operator import attrgetter
 
 import numpy as np
 
-from plumbline.harness.findings.cost_point import Point
+from plumbline.harness.findings.cost_point import CostPoint
 from plumbline.harness.findings.once import once
 from plumbline.harness.findings.prices import PER_SECOND, Draws, List, interval, priced, unit_of
 from plumbline.harness.findings.steps_taken import step_in_words
@@ -92,7 +92,7 @@ def _sound(store: Store) -> frozenset[str]:
     return frozenset(t for t, whole in passed.items() if whole or missed.get(t, set()) == {headline[t]})
 
 
-def _speed(points: Sequence[Point], draw: Draws, error: float, own: float) -> Speed | None:
+def _speed(points: Sequence[CostPoint], draw: Draws, error: float, own: float) -> Speed | None:
     """Of sound clocked points of one track in one scene. Args: own: the case's time step [s]."""
     costs = List(points, draw, np.array([error]))
     close = np.isfinite(costs.middle[0])

@@ -95,7 +95,7 @@ EVERY_STEP = "every step recorded"
 
 
 @dataclass(frozen=True, slots=True)
-class Row:
+class ListedTrials:
     """Trials that read alike.
 
     Terms: dt: '1/60 s (4 sub-steps)', as it was taken. apart: parameters, alteration and remedy in words, and how the scene was
@@ -139,7 +139,7 @@ def _apart(trials: pd.DataFrame, catalogue: Mapping[str, Any]) -> list[str]:
     return written
 
 
-def rows(trials: pd.DataFrame, catalogue: Mapping[str, Any]) -> list[Row]:
+def rows(trials: pd.DataFrame, catalogue: Mapping[str, Any]) -> list[ListedTrials]:
     """The trials as rows, in the order in which each row's first stands; no two of them read alike."""
     how = {text: _repetition(text) for text in trials["alteration"].unique()}
     groups: dict[tuple[str, ...], dict[str, list[str]]] = {}
@@ -149,7 +149,7 @@ def rows(trials: pd.DataFrame, catalogue: Mapping[str, Any]) -> list[Row]:
         key = (str(row.case), str(row.engine), str(row.track), step, told, str(row.status))
         groups.setdefault(key, {}).setdefault(str(row.reason), []).append(how[row.alteration])
     return [
-        Row(case, engine, track, dt, _joined(told, ways if apart else ()), status, reason, len(ways))
+        ListedTrials(case, engine, track, dt, _joined(told, ways if apart else ()), status, reason, len(ways))
         for (case, engine, track, dt, told, status), by_reason in groups.items()
         for reason, ways in by_reason.items()
         # Where the scene was run once more each time, its first run ended otherwise.

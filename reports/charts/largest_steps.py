@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from operator import attrgetter
 
-from plumbline.harness.findings.tables.steps import Step
+from plumbline.harness.findings.tables.steps import StepRange
 from plumbline.harness.store.rows import grouped
 from plumbline.harness.store.store import Store
 from plumbline.reports.charts.figure import Figure
@@ -15,23 +15,23 @@ from plumbline.reports.words.text import amount
 
 
 @dataclass(frozen=True, slots=True)
-class Allowance:
+class LargestSteps:
     """How far one engine may step in one scene: on each track, and where it is fastest."""
 
     case: str
     title: str
     engine: str
-    tracks: Mapping[str, Step]
-    fastest: Step | None
+    tracks: Mapping[str, StepRange]
+    fastest: StepRange | None
 
 
-def allowances(store: Store, steps: Sequence[Step]) -> list[Allowance]:
+def allowances(store: Store, steps: Sequence[StepRange]) -> list[LargestSteps]:
     """Steps of one scene and engine in one row, engines in their usual order within a scene."""
     scenes = list(dict.fromkeys((step.case, step.where) for step in steps))
     order = list(engines(store))
     ordered = sorted(steps, key=lambda step: (scenes.index((step.case, step.where)), order.index(step.engine)))
     return [
-        Allowance(
+        LargestSteps(
             case=case,
             title=titled(store, case, where),
             engine=engine,
@@ -42,7 +42,7 @@ def allowances(store: Store, steps: Sequence[Step]) -> list[Allowance]:
     ]
 
 
-def survival(steps: Sequence[Step]) -> list[tuple[float, float, int]]:
+def survival(steps: Sequence[StepRange]) -> list[tuple[float, float, int]]:
     """The share of scenes that are still within one per cent at a time step, one row a scene.
 
     Returns:
@@ -60,7 +60,7 @@ def survival(steps: Sequence[Step]) -> list[tuple[float, float, int]]:
     return curve
 
 
-def steps_chart(store: Store, steps: Sequence[Step]) -> Figure | None:
+def steps_chart(store: Store, steps: Sequence[StepRange]) -> Figure | None:
     """The share of scenes within one per cent over the time step, default and tuned; None where nothing stays within it."""
     rows: list[Row] = []
     for engine, track in dict.fromkeys((step.engine, step.track) for step in steps if step.track in TRACKS):

@@ -17,7 +17,7 @@ from plumbline.harness.trajectory import Floats
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
-class Panel:
+class TrendPanel:
     """A panel.
 
     Terms: case: '' for the engine as a whole. case_title, engine_title: what they are called. index (n,): the price over its
@@ -39,19 +39,19 @@ class Panel:
     otherwise: tuple[tuple[int, int, int], ...]
 
 
-def panels(trends: Trends) -> tuple[Panel, ...]:
+def panels(trends: Trends) -> tuple[TrendPanel, ...]:
     """One for each case on each engine that was clocked or has an error, in the order in which they were first seen."""
     cells = grouped(trends.series, attrgetter("case", "engine"))
     return tuple(_panel(case, engine, group, trends) for (case, engine), group in cells.items())
 
 
-def engine_panels(trends: Trends) -> tuple[Panel, ...]:
+def engine_panels(trends: Trends) -> tuple[TrendPanel, ...]:
     """One for each engine as a whole."""
     engines = grouped(trends.series, attrgetter("engine"))
     return tuple(_panel("", engine, group, trends) for engine, group in engines.items())
 
 
-def _panel(case: str, engine: str, group: Sequence[Series], trends: Trends) -> Panel:
+def _panel(case: str, engine: str, group: Sequence[Series], trends: Trends) -> TrendPanel:
     count = len(trends.nights)
     prices = [one for one in group if one.kind == "price"]
     mine = {id(one) for one in prices}
@@ -65,7 +65,7 @@ def _panel(case: str, engine: str, group: Sequence[Series], trends: Trends) -> P
     segments = np.max([one.segments for one in prices], axis=0) if prices else np.full(count, -1, np.int64)
     drawn = levels(values, {step.night for step in steps}, segments)
     first = drawn[0].value if drawn else 1.0
-    return Panel(
+    return TrendPanel(
         case=case,
         engine=engine,
         case_title=trends.called(case) if case else "All cases",

@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterable, Sequence
 from operator import attrgetter
 from typing import Any
 
-from plumbline.harness.findings.sensor_readings.findings import Finding
+from plumbline.harness.findings.sensor_readings.findings import SensorFinding
 from plumbline.harness.store.rows import grouped
 from plumbline.harness.store.store import Store
 from plumbline.reports.charts.figure import Figure
@@ -18,7 +18,7 @@ LAW = "#8a93a0"
 """Of what the law says; no engine has this colour."""
 
 
-def noise_charts(store: Store, findings: Iterable[Finding]) -> list[Figure]:
+def noise_charts(store: Store, findings: Iterable[SensorFinding]) -> list[Figure]:
     """A chart for each noisy channel of each scene."""
     noisy = (finding for finding in findings if finding.curve is not None)
     groups = grouped(noisy, attrgetter("case", "where", "sensor", "channel"))
@@ -26,7 +26,7 @@ def noise_charts(store: Store, findings: Iterable[Finding]) -> list[Figure]:
     return [drawn[group[0].type](store, group) for group in groups.values()]
 
 
-def _points(store: Store, group: Sequence[Finding], *names: str) -> tuple[list[Row], list[Row]]:
+def _points(store: Store, group: Sequence[SensorFinding], *names: str) -> tuple[list[Row], list[Row]]:
     """Rows of all engines, and those of the first alone, which say the law. Args: names: of at, found, law, low and high."""
     by_engine = []
     for finding in group:
@@ -38,7 +38,7 @@ def _points(store: Store, group: Sequence[Finding], *names: str) -> tuple[list[R
     return [row for rows in by_engine for row in rows], [{name: row[name] for name in names} for row in by_engine[0]]
 
 
-def _said(store: Store, finding: Finding) -> Row:
+def _said(store: Store, finding: SensorFinding) -> Row:
     return {
         "engine": labels(store)[finding.engine],
         "track": visible(finding.track)[:30],
@@ -47,7 +47,7 @@ def _said(store: Store, finding: Finding) -> Row:
     }
 
 
-def _name(kind: str, finding: Finding) -> str:
+def _name(kind: str, finding: SensorFinding) -> str:
     return slug(f"{kind}-{finding.case}-{finding.where}-{finding.sensor}-{finding.channel}".replace(" ", "-"))
 
 
@@ -79,7 +79,7 @@ def _tooltips(*numbers: tuple[str, str]) -> list[Any]:
     return [*words, *(channel(f"{f}:Q", title=t, format=".4~g") for f, t in numbers), channel("trial:N")]
 
 
-def _allan(store: Store, group: Sequence[Finding]) -> Figure:
+def _allan(store: Store, group: Sequence[SensorFinding]) -> Figure:
     first, known = group[0], group[0].noise.law
     rows, law = _points(store, group, "tau", "value", "law", "low", "high")
     x = logarithmic("tau", "averaging time [s]", decades(row["tau"] for row in rows))
@@ -101,7 +101,7 @@ def _allan(store: Store, group: Sequence[Finding]) -> Figure:
     return Figure(_name("allan", first), f"{named(store, first)}, Allan deviation", caption, spec, columns, cells, how)
 
 
-def _histogram(store: Store, group: Sequence[Finding]) -> Figure:
+def _histogram(store: Store, group: Sequence[SensorFinding]) -> Figure:
     first = group[0]
     rows, law = _points(store, group, "at", "value", "law", "low", "high")
     x = channel("at:Q", title="range error over its standard deviation by law", scale={"domain": [-4, 4], "nice": False})
@@ -121,7 +121,7 @@ def _histogram(store: Store, group: Sequence[Finding]) -> Figure:
     return Figure(_name("ranges", first), f"{named(store, first)}, errors", caption, spec, columns, cells, how)
 
 
-def _depth(store: Store, group: Sequence[Finding]) -> Figure:
+def _depth(store: Store, group: Sequence[SensorFinding]) -> Figure:
     first = group[0]
     rows, law = _points(store, group, "depth", "value", "law", "least", "most")
     law = [{name: point[name] for name in ("depth", "law")} for point in law]

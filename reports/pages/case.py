@@ -10,7 +10,7 @@ from functools import partial
 import pandas as pd
 
 from plumbline.harness.findings.emulations import whose
-from plumbline.harness.findings.tables.orders import Convergence, convergences
+from plumbline.harness.findings.tables.orders import ObservedOrder, convergences
 from plumbline.harness.store.rows import records
 from plumbline.harness.store.store import Store
 from plumbline.reports.charts.errors import error_by_step
@@ -101,7 +101,7 @@ def _by_step(store: Store, name: str, rows: pd.DataFrame, asked: Collection[str]
     return error_by_step(store, rows[rows["trial"].isin(asked)], f"case-{slug(name)}", cases(store)[name]["headline"], unit)
 
 
-def orders(ladders: Sequence[Convergence], sides: list[tuple[str, str]]) -> list[Convergence]:
+def orders(ladders: Sequence[ObservedOrder], sides: list[tuple[str, str]]) -> list[ObservedOrder]:
     """The ladders that have a fit or need none, engine by engine and track by track."""
     listed = [row for row in ladders if row.fit is not None or row.verdict == "exact"]
     return sorted(listed, key=lambda row: sides.index((row.engine, row.track)))

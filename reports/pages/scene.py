@@ -127,7 +127,7 @@ def render(store: Store) -> Mapping[str, Rendered]:
 
 
 @dataclass(frozen=True, slots=True)
-class Answer:
+class SceneAnswer:
     """One question that a person asks of a scene of theirs. Terms: leads: to the part of the page that shows it whole. picture:
     None where there is nothing to draw."""
 
@@ -137,7 +137,7 @@ class Answer:
     picture: Drawn | None
 
 
-def answers_of(store: Store, agreement: Agreement, seen: Sight) -> list[Answer]:
+def answers_of(store: Store, agreement: Agreement, seen: Sight) -> list[SceneAnswer]:
     """What the first screen says, in the order in which it is needed to act."""
     names = titles(store)
     runs = dict.fromkeys(side.engine for side in agreement.sides if side.word not in ("cannot", "diverged"))
@@ -166,13 +166,13 @@ def answers_of(store: Store, agreement: Agreement, seen: Sight) -> list[Answer]:
     agree = [headline(agreement, names), *unresolved_words(agreement), *cut_words(agreement, names)]
     nowhere = "No setting is known to err by 1 % or less."
     return [
-        Answer("Does it run?", tuple(ended), "trials", runs_at),
-        Answer("Do they agree?", tuple(agree), "agreement", apart),
-        Answer("Who is off, and why?", tuple(who) or ("Nobody.",), "parting" if seen.parting else "agreement", closed),
-        Answer(
+        SceneAnswer("Does it run?", tuple(ended), "trials", runs_at),
+        SceneAnswer("Do they agree?", tuple(agree), "agreement", apart),
+        SceneAnswer("Who is off, and why?", tuple(who) or ("Nobody.",), "parting" if seen.parting else "agreement", closed),
+        SceneAnswer(
             "What does accuracy cost?", tuple(costs) or ("Nothing was clocked at a limit that is agreed.",), "charts", cheap
         ),
-        Answer("What to set?", (best or nowhere,), "charts", fast),
+        SceneAnswer("What to set?", (best or nowhere,), "charts", fast),
     ]
 
 

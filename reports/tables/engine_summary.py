@@ -128,7 +128,7 @@ NO_REASON = "no reason given"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Lead:
+class ReferenceLead:
     """A case in which our engine errs least on a track.
 
     Terms:
@@ -148,7 +148,7 @@ class Lead:
 
 
 @once
-def leads(store: Store) -> dict[tuple[str, str], Lead]:
+def leads(store: Store) -> dict[tuple[str, str], ReferenceLead]:
     """By (case, track). What lies below a millionth of the case's scale is equal: rounding leads nobody."""
     rows = at_own_step(store, answers(store))[["case", "track", "engine", "error"]]
     leading = {}
@@ -164,7 +164,7 @@ def leads(store: Store) -> dict[tuple[str, str], Lead]:
 
 def _lead(
     case: Mapping[str, Any], track: str, mine: str, errors: "pd.Series[float]", advantages: Mapping[str, Any]
-) -> Lead | None:
+) -> ReferenceLead | None:
     if mine not in errors:
         return None
     others, more = errors.drop(mine), more_is_better(case)
@@ -173,7 +173,7 @@ def _lead(
     if rival and most_accurate(notable, more_is_better=more) != {mine}:
         return None
     reason = advantages.get(f"{track}/{case['name']}", {"by": NO_REASON, "why": ""})
-    return Lead(
+    return ReferenceLead(
         case=case["name"],
         track=track,
         engine=mine,

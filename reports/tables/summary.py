@@ -11,7 +11,7 @@ from plumbline.harness.findings.tables.orders import convergences
 from plumbline.harness.store.store import Store
 from plumbline.reports.tables.engine_summary import NO_REASON, Glance, glances, leads
 from plumbline.reports.tables.own_scenes import by_case, summary
-from plumbline.reports.tables.verdicts import Verdict, verdicts
+from plumbline.reports.tables.verdicts import CaseVerdict, verdicts
 from plumbline.reports.words.catalogue import cases, compared_tracks, engines, setting_words, titles
 from plumbline.reports.words.catalogue import ours as yardsticks
 from plumbline.reports.words.disputes import disputed
@@ -172,7 +172,7 @@ def ranked(store: Store, ratios: dict[str, float]) -> str:
     return ", ".join(f"{titles[name]['title']} {amount(ratios[name], 2)}{TIMES}" for name in order) or "none measured"
 
 
-def tuning(store: Store, cells: dict[tuple[str, str, str], Verdict]) -> list[str]:
+def tuning(store: Store, cells: dict[tuple[str, str, str], CaseVerdict]) -> list[str]:
     """What tuning changes, in whole cases."""
     if len(compared_tracks(store)) < 2:
         return []
@@ -189,7 +189,7 @@ def tuning(store: Store, cells: dict[tuple[str, str, str], Verdict]) -> list[str
     return [f"Cases that pass in full once an engine is tuned, against its defaults: {'; '.join(changed)}."]
 
 
-def extremes(store: Store, cells: dict[tuple[str, str, str], Verdict]) -> list[str]:
+def extremes(store: Store, cells: dict[tuple[str, str, str], CaseVerdict]) -> list[str]:
     """The cases that all pass, and those that nobody passes."""
     everybody, nobody = [], []
     for name, case in cases(store).items():
@@ -241,7 +241,7 @@ def more(titles: list[str]) -> str:
     return f" and {len(titles) - 4} more" if len(titles) > 4 else ""
 
 
-def ours(store: Store, cells: dict[tuple[str, str, str], Verdict]) -> list[str]:
+def ours(store: Store, cells: dict[tuple[str, str, str], CaseVerdict]) -> list[str]:
     """The reference engine's failures, by name: nobody should have to look for them."""
     written = []
     for name, engine in engines(store).items():

@@ -26,7 +26,7 @@ LEAST = 1e-3
 
 
 @dataclass(frozen=True, slots=True)
-class Verdict:
+class CaseVerdict:
     """How an engine did in a case on a track.
 
     Terms: counts: (outcome, count) of all trials, from good to bad. worst: of them; reason: why it was not better. own: the
@@ -79,7 +79,7 @@ def margin_words(margin: Margin) -> str:
 
 
 @once
-def verdicts(store: Store) -> dict[tuple[str, str, str], Verdict]:
+def verdicts(store: Store) -> dict[tuple[str, str, str], CaseVerdict]:
     """Verdicts by (case, engine, track); a cell without a trial has no entry."""
     cells = {}
     known = margins(store)
@@ -97,11 +97,11 @@ def verdicts(store: Store) -> dict[tuple[str, str, str], Verdict]:
         worst_of = [trial for status, trial in zip(group["status"], group["trial"], strict=True) if outcome(status) == bad]
         # An engine that was not run at the case's own step is read at its worst.
         trial = max(own[key])[2] if key in own else str(worst_of[0])
-        cells[key] = Verdict(
+        cells[key] = CaseVerdict(
             counted(Counter(group["status"])), bad, said[worst_of[0]], outcome(statuses[trial]), trial, known.get(trial)
         )
     # That all numbers of a scene of one's own are finite is no verdict on it.
-    return cells | {key: Verdict(((word, 1),), word, sentence, word) for key, (word, sentence) in chips(store).items()}
+    return cells | {key: CaseVerdict(((word, 1),), word, sentence, word) for key, (word, sentence) in chips(store).items()}
 
 
 def totals(store: Store) -> Mapping[tuple[str, str], Mapping[str, int]]:
@@ -131,7 +131,7 @@ def counted(counts: Mapping[str, int]) -> tuple[tuple[Outcome, int], ...]:
     return tuple(sorted(((outcome(name), count) for name, count in counts.items()), key=lambda pair: pair[0].rank))
 
 
-def cases_of(store: Store, engine: str) -> list[tuple[Mapping[str, Any], Mapping[str, Verdict]]]:
+def cases_of(store: Store, engine: str) -> list[tuple[Mapping[str, Any], Mapping[str, CaseVerdict]]]:
     """The cases that were put to an engine, each with its verdicts by track: the worst outcome on any track first, and among
     equals the larger margin."""
     cells = verdicts(store)
@@ -150,7 +150,7 @@ def tracks_of(store: Store, engine: str) -> list[str]:
     return [track for track in named_tracks(store) if track in judged]
 
 
-def _weight(cell: Verdict) -> tuple[int, float]:
+def _weight(cell: CaseVerdict) -> tuple[int, float]:
     return cell.own.rank, cell.margin.times if cell.margin is not None else 0.0
 
 

@@ -11,7 +11,7 @@ import pytest
 
 from plumbline.harness.findings.sensor_readings.channel import Channel, channels, rays_of
 from plumbline.harness.findings.sensor_readings.depth import depth_sigma
-from plumbline.harness.findings.sensor_readings.findings import Finding, findings
+from plumbline.harness.findings.sensor_readings.findings import SensorFinding, findings
 from plumbline.harness.findings.sensor_readings.ideal import ideal_errors
 from plumbline.harness.findings.sensor_readings.inertial import allan_curve, inertial_noise
 from plumbline.harness.findings.sensor_readings.lag import lag_of
@@ -28,7 +28,7 @@ def store(tmp_path_factory: pytest.TempPathFactory) -> Store:
     return Store(write_sensor_folder(tmp_path_factory.mktemp("sensors") / "run"))
 
 
-def of(store: Store, engine: str, sensor: str, channel: str) -> Finding:
+def of(store: Store, engine: str, sensor: str, channel: str) -> SensorFinding:
     return next(one for one in findings(store) if (one.engine, one.sensor, one.channel) == (engine, sensor, channel))
 
 

@@ -10,8 +10,8 @@ from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 from plumbline.harness.adapter.promised_bits import only_here
-from plumbline.harness.findings.changes.matching import Pair, located
-from plumbline.harness.findings.changes.values import Change, Kind, Sense
+from plumbline.harness.findings.changes.matching import TrialPair, located
+from plumbline.harness.findings.changes.values import Change, ChangeKind, Sense
 from plumbline.harness.findings.prices import LEAST
 from plumbline.harness.store.record import Record
 from plumbline.harness.store.store import Store
@@ -46,7 +46,7 @@ class _Readings:
         self._values = [_by_trial(store) for store in (store_a, store_b)]
         self._last_bit = [_last_bit(store, values) for store, values in zip((store_a, store_b), self._values, strict=True)]
 
-    def of(self, pair: Pair) -> list[_Reading]:
+    def of(self, pair: TrialPair) -> list[_Reading]:
         """Of the headline and of all that has a bound, the farthest beyond tolerance first."""
         case = self._cases.get(pair.b.case, {})
         here, there = (values.get(row.trial, {}) for values, row in zip(self._values, (pair.a, pair.b), strict=True))
@@ -59,7 +59,7 @@ class _Readings:
             (self._reading(pair, case, here[name], there[name]) for name in judging), key=lambda reading: -reading.excess
         )
 
-    def _reading(self, pair: Pair, case: Mapping[str, Any], a: Any, b: Any) -> _Reading:
+    def _reading(self, pair: TrialPair, case: Mapping[str, Any], a: Any, b: Any) -> _Reading:
         before, after, bound = float(a.value), float(b.value), _number(b.at_most)
         off_a, off_b = (_number(getattr(row, "truth_error", 0.0), 0.0) for row in (a, b))
         better = next(
@@ -135,7 +135,7 @@ def _last_bit(store: Store, values: Mapping[str, Mapping[str, Any]]) -> dict[tup
     return moved
 
 
-def answer_changes(store_a: Store, store_b: Store, pairs: Sequence[Pair]) -> Iterator[Change]:
+def answer_changes(store_a: Store, store_b: Store, pairs: Sequence[TrialPair]) -> Iterator[Change]:
     """A row for each pair whose verdict, bits or measured values differ; its metric is the one that changed most."""
     readings = _Readings(store_a, store_b)
     for pair in pairs:
@@ -155,7 +155,7 @@ def answer_changes(store_a: Store, store_b: Store, pairs: Sequence[Pair]) -> Ite
 _ORDER: tuple[Sense, ...] = ("worse", "better", "within tolerance", "neither")
 
 
-def _flip(pair: Pair, judged: Sequence[_Reading], catalogue: Mapping[str, Any]) -> Change:
+def _flip(pair: TrialPair, judged: Sequence[_Reading], catalogue: Mapping[str, Any]) -> Change:
     before, after = (_RANK.get(row.status) for row in (pair.a, pair.b))
     silent = before is None or after is None or pair.a.status == "unavailable"
     sense: Sense = "neither" if silent or before == after else "worse" if (after or 0) > (before or 0) else "better"
@@ -165,7 +165,7 @@ def _flip(pair: Pair, judged: Sequence[_Reading], catalogue: Mapping[str, Any]) 
 
 
 def _change(
-    kind: Kind, sense: Sense, pair: Pair, reading: _Reading | None, catalogue: Mapping[str, Any], detail: str = ""
+    kind: ChangeKind, sense: Sense, pair: TrialPair, reading: _Reading | None, catalogue: Mapping[str, Any], detail: str = ""
 ) -> Change:
     fields = {} if reading is None else reading.fields
     return Change(kind=kind, sense=sense, detail=detail, **located(pair.a, pair.b, catalogue), **fields)

@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from plumbline.harness.findings.changes.matching import Pair, requested
-from plumbline.harness.findings.changes.values import Change, Kind, Sense
+from plumbline.harness.findings.changes.matching import TrialPair, requested
+from plumbline.harness.findings.changes.values import Change, ChangeKind, Sense
 from plumbline.harness.findings.steps_taken import substeps_of
 from plumbline.harness.store.notices import StoredNotice
 from plumbline.harness.store.store import Store
@@ -30,7 +30,7 @@ def _versions(store: Store) -> dict[str, str]:
     }
 
 
-def source_changes(pairs: Sequence[Pair]) -> Iterator[Change]:
+def source_changes(pairs: Sequence[TrialPair]) -> Iterator[Change]:
     """A row for each text that answers rest on and that is another: an adapter by engine, a case by name, others once."""
 
     def about(row: Any, origin: str) -> dict[str, str]:
@@ -39,7 +39,7 @@ def source_changes(pairs: Sequence[Pair]) -> Iterator[Change]:
     return _counted("sources", pairs, lambda row: json.loads(getattr(row, "sources", "{}")), about, "")
 
 
-def setting_changes(pairs: Sequence[Pair]) -> Iterator[Change]:
+def setting_changes(pairs: Sequence[TrialPair]) -> Iterator[Change]:
     """A row for each setting of an engine's track that was asked for otherwise."""
 
     def asked(row: Any) -> dict[str, Any]:
@@ -51,8 +51,8 @@ def setting_changes(pairs: Sequence[Pair]) -> Iterator[Change]:
 
 
 def _counted(
-    kind: Kind,
-    pairs: Sequence[Pair],
+    kind: ChangeKind,
+    pairs: Sequence[TrialPair],
     read: Callable[[Any], Mapping[str, Any]],
     about: Callable[[Any, str], Mapping[str, Any]],
     none: str | None,
@@ -80,7 +80,7 @@ def machine_changes(store_a: Store, store_b: Store) -> Iterator[Change]:
             yield Change(kind="machine", sense="neither", metric=name, before=str(before), after=str(after))
 
 
-def trial_changes(pairs: Sequence[Pair]) -> Iterator[Change]:
+def trial_changes(pairs: Sequence[TrialPair]) -> Iterator[Change]:
     """A row for each case and engine that has trials on one side only: how many A had of them, and how many B has."""
     alone: dict[tuple[str, str, str], list[int]] = {}
     for pair in pairs:
@@ -94,9 +94,9 @@ def trial_changes(pairs: Sequence[Pair]) -> Iterator[Change]:
         )  # fmt: skip
 
 
-def warning_changes(store_a: Store, store_b: Store, pairs: Sequence[Pair]) -> Iterator[Change]:
+def warning_changes(store_a: Store, store_b: Store, pairs: Sequence[TrialPair]) -> Iterator[Change]:
     """A row for each warning that came, went, or has other words in a case on an engine; what the clock ran into is none."""
-    noticed: dict[tuple[str, str, str, StoredNotice, bool, bool], list[Pair]] = {}
+    noticed: dict[tuple[str, str, str, StoredNotice, bool, bool], list[TrialPair]] = {}
     for pair in pairs:
         then, now = _said(store_a, pair.a), _said(store_b, pair.b)
         old, new = ({_about(notice) for notice in side if notice.kind != "note"} for side in (then, now))

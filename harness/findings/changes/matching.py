@@ -32,7 +32,7 @@ LOST = ("crashed", "oom", "timeout", "unavailable", "interrupted")
 
 
 @dataclass(frozen=True, slots=True)
-class Pair:
+class TrialPair:
     """Rows of the tables `trials` that ask the same; one of them None where the other folder has no such trial."""
 
     a: Any
@@ -54,7 +54,7 @@ class Pair:
         return isinstance(self.a.trajectory_hash, str) and self.a.trajectory_hash == self.b.trajectory_hash
 
 
-def matched(store_a: Store, store_b: Store, *, renamed: bool = False) -> tuple[Pair, ...]:
+def matched(store_a: Store, store_b: Store, *, renamed: bool = False) -> tuple[TrialPair, ...]:
     """Every trial of both folders once, in the order of B and then of what A has alone.
 
     Args: renamed: every trial of B by what it asks, whatever study and experiment ask it, beside the last of A that asks it.
@@ -62,7 +62,7 @@ def matched(store_a: Store, store_b: Store, *, renamed: bool = False) -> tuple[P
     rows_a, rows_b = (list(store.trials.itertuples()) for store in (store_a, store_b))
     if renamed:
         asked = {_key(row, _NAMES): row for row in rows_a}
-        return tuple(Pair(asked.get(_key(row, _NAMES)), row) for row in rows_b)
+        return tuple(TrialPair(asked.get(_key(row, _NAMES)), row) for row in rows_b)
     keys_a, keys_b = ([_key(row) for row in rows] for rows in (rows_a, rows_b))
     ambiguous = {key for keys in (keys_a, keys_b) for key, count in Counter(keys).items() if count > 1}
 
@@ -71,7 +71,7 @@ def matched(store_a: Store, store_b: Store, *, renamed: bool = False) -> tuple[P
         return {(key, apart(row) if key in ambiguous else ()): row for key, row in zip(keys, rows, strict=True)}
 
     of_a, of_b = named(keys_a, rows_a), named(keys_b, rows_b)
-    return tuple(Pair(of_a.get(key), of_b.get(key)) for key in (*of_b, *(key for key in of_a if key not in of_b)))
+    return tuple(TrialPair(of_a.get(key), of_b.get(key)) for key in (*of_b, *(key for key in of_a if key not in of_b)))
 
 
 def by_question(store: Store) -> dict[Hashable, Any]:

@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field, fields, replace
 from typing import Literal
 
-Kind = Literal[
+ChangeKind = Literal[
     "verdict",
     "error",
     "price",
@@ -24,7 +24,7 @@ Kind = Literal[
 """What changed: a verdict (the status of a trial); an answer, by its error; a price; a limit; whether repetitions give the same
 bits; whether the same digest gives the same answer on another night; what was warned of; which trials there are; an engine's
 version; the texts that an answer rests on; what an engine was set to; the machine."""
-ANSWERS: tuple[Kind, ...] = ("verdict", "error", "price", "limit", "determinism", "digest")
+ANSWERS: tuple[ChangeKind, ...] = ("verdict", "error", "price", "limit", "determinism", "digest")
 """Kinds that say what an engine does: of these a regression can be."""
 
 Sense = Literal["worse", "better", "within tolerance", "neither", "unconfirmed"]
@@ -52,7 +52,7 @@ class Change:
         much it is.
     """
 
-    kind: Kind
+    kind: ChangeKind
     sense: Sense
     case: str = ""
     engine: str = ""
@@ -81,7 +81,7 @@ class Change:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Side:
+class ComparedRun:
     """One of the two run folders. Terms: folder: as it was given. study: its name. started: when, as its machine.json says.
     machine: its digest. trials: how many. versions: of engines, by name."""
 
@@ -127,8 +127,8 @@ class Changes:
     regained, new: trials of B with an answer, whose like in A had lost it; that A was not asked, and no search went on to.
     """
 
-    a: Side
-    b: Side
+    a: ComparedRun
+    b: ComparedRun
     rows: tuple[Change, ...]
     matched: int
     same: int
@@ -149,7 +149,7 @@ class Changes:
         return tuple(row for row in self.rows if row.regression and row.engine in gated)
 
 
-_GRAVITY: tuple[tuple[Kind, Sense], ...] = (
+_GRAVITY: tuple[tuple[ChangeKind, Sense], ...] = (
     ("verdict", "worse"), ("digest", "worse"), ("determinism", "worse"), ("limit", "worse"), ("error", "worse"),
     ("price", "worse"),
     ("verdict", "better"), ("limit", "better"), ("error", "better"), ("price", "better"), ("determinism", "better"),

@@ -21,7 +21,7 @@ from plumbline.harness.findings.sensor_readings.ideal import IdealErrors, ideal_
 from plumbline.harness.findings.sensor_readings.inertial import allan_curve, inertial_noise
 from plumbline.harness.findings.sensor_readings.lag import lag_by_law, lag_of
 from plumbline.harness.findings.sensor_readings.noise import SILENT, Noise, NoiseCurve
-from plumbline.harness.findings.sensor_readings.picture import Picture, first_picture
+from plumbline.harness.findings.sensor_readings.picture import CameraPicture, first_picture
 from plumbline.harness.findings.sensor_readings.ranging import range_histogram, ranging_noise
 from plumbline.harness.scene import Lidar, Scene
 from plumbline.harness.scene.file import parse
@@ -37,7 +37,7 @@ MEASURES: Mapping[str, tuple[Callable[[Channel], Noise | None], Callable[[Channe
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Finding:
+class SensorFinding:
     """One channel of one sensor on one engine and track.
 
     Terms:
@@ -84,7 +84,7 @@ class Finding:
     trial_sensing: str = ""
     trial_bare: str = ""
     curve: NoiseCurve | None = None
-    picture: Picture | None = None
+    picture: CameraPicture | None = None
 
 
 _READ = ["case", "parameters", "engine", "track", "dt", "seed", "status", "reason", "trial", "trajectory_hash"]
@@ -108,7 +108,7 @@ def concerned(store: Store) -> pd.DataFrame:
 
 
 @once
-def findings(store: Store) -> tuple[Finding, ...]:
+def findings(store: Store) -> tuple[SensorFinding, ...]:
     """All findings of a run, engine beside engine; worked out once for a store, since it reads every trajectory."""
     every = list(_findings(store))
     catalogue = store.catalogue
@@ -118,7 +118,7 @@ def findings(store: Store) -> tuple[Finding, ...]:
         signal: index for index, signal in enumerate(dict.fromkeys((finding.sensor, finding.channel) for finding in every))
     }
 
-    def rank(finding: Finding) -> tuple[object, ...]:
+    def rank(finding: SensorFinding) -> tuple[object, ...]:
         signal = signals[finding.sensor, finding.channel]
         engine = engines.get(finding.engine, len(engines))
         scene = cases.get(finding.case, len(cases)), finding.case, wheres[finding.where]
@@ -127,13 +127,13 @@ def findings(store: Store) -> tuple[Finding, ...]:
     return tuple(sorted(every, key=rank))
 
 
-def _findings(store: Store) -> Iterator[Finding]:
+def _findings(store: Store) -> Iterator[SensorFinding]:
     cases = store.catalogue.get("cases", {})
     trials = concerned(store)[_READ]
     for (case, parameters, engine, track), runs in trials.groupby(["case", "parameters", "engine", "track"], sort=False):
         about = cases.get(case, {})
         row = _nearest(runs, about.get("dt"))
-        plain = Finding(
+        plain = SensorFinding(
             case=case,
             where=where_of(store.catalogue, case, parameters),
             engine=engine,
@@ -165,8 +165,8 @@ def _prices(runs: pd.DataFrame) -> _Prices:
 
 
 def _of_trial(
-    store: Store, plain: Finding, row: Mapping[str, Any], measured: Sequence[Mapping[str, Any]], prices: _Prices
-) -> Iterator[Finding]:
+    store: Store, plain: SensorFinding, row: Mapping[str, Any], measured: Sequence[Mapping[str, Any]], prices: _Prices
+) -> Iterator[SensorFinding]:
     if not isinstance(row["trajectory_hash"], str):
         yield plain
         return
@@ -185,13 +185,13 @@ def _of_trial(
 
 
 def _of_channel(
-    plain: Finding,
+    plain: SensorFinding,
     channel: Channel,
     scene: Scene,
     arrays: Mapping[str, Any],
     measured: Sequence[Mapping[str, Any]],
     prices: _Prices,
-) -> Finding:
+) -> SensorFinding:
     errors = ideal_errors(channel)
     measure, sketch = MEASURES.get(channel.type, (None, lambda _: None))
     noise = (None if measure is None else measure(channel)) or SILENT

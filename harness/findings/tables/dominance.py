@@ -16,7 +16,7 @@ import pandas as pd
 from plumbline.harness.findings.columns import Column, Row, Table, names, scene
 from plumbline.harness.findings.once import once
 from plumbline.harness.findings.parameter_words import in_words, other_values, where_of
-from plumbline.harness.findings.samples import Block, BlockSample, ratio_in_blocks, samples_by_block
+from plumbline.harness.findings.samples import BlockSample, SampledBlock, ratio_in_blocks, samples_by_block
 from plumbline.harness.search.better import ANSWERED, UNDER, Comparison, Question, compared, run_of
 from plumbline.harness.search.dominance import MAYBE, kept_parameters
 from plumbline.harness.statistics.interval import Interval
@@ -33,7 +33,7 @@ STALE = "reason not needed"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Change:
+class TriedChange:
     """One change of 'tuned', or several that the same became of.
 
     Terms:
@@ -69,7 +69,7 @@ class Change:
     trial: str
 
 
-Sampled = Mapping[str, Mapping[Block, BlockSample]]
+Sampled = Mapping[str, Mapping[SampledBlock, BlockSample]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,7 +84,7 @@ class _Beside:
 
 
 @once
-def changes(store: Store) -> tuple[Change, ...]:
+def changes(store: Store) -> tuple[TriedChange, ...]:
     """All rows of a run, those that beat the track first; worked out once for a store."""
     asked = {experiment.name: experiment for experiment in experiments_of(store) if experiment.dominance}
     samples = samples_by_block(store) if asked else {}
@@ -99,14 +99,14 @@ def changes(store: Store) -> tuple[Change, ...]:
     return tuple(sorted(found, key=lambda change: order.get(change.verdict, 2)))
 
 
-def _of_scene(store: Store, scene: Sequence[Row], samples: Sampled) -> list[Change]:
+def _of_scene(store: Store, scene: Sequence[Row], samples: Sampled) -> list[TriedChange]:
     """The rows of one scene on one engine."""
     track = next((row for row in scene if row["track"] == "tuned" and row["round"] == 0), None)
     if track is None:
         return []
     case, engine = store.described("cases", track["case"]), store.described("engines", track["engine"])
     given = json.loads(track["parameters"])
-    blank = Change(
+    blank = TriedChange(
         case=track["case"],
         where=where_of(store.catalogue, track["case"], track["parameters"]),
         engine=track["engine"],
@@ -166,14 +166,14 @@ def _rough(track: Row, row: Row) -> float:
 
 def _judged(
     row: Row,
-    blank: Change,
+    blank: TriedChange,
     turn: Turn | None,
     beside: Mapping[str, _Beside],
     scene: Sequence[Row],
     given: Mapping[str, Any],
     track: Row,
     trade_offs: Sequence[Mapping[str, Any]],
-) -> Change:
+) -> TriedChange:
     """A change that was run at the scene's own parameters."""
     own = beside[row["trial"]]
     change = replace(blank, change="default" if turn is None else str(turn), trial=str(row["trial"]))
@@ -226,7 +226,7 @@ def _names(trade_off: Mapping[str, Any], turn: Turn | None) -> bool:
     return trade_off["knob"] == turn.knob and (not trade_off["values"] or turn.value in trade_off["values"])
 
 
-def _folded(single: Sequence[Change]) -> Iterator[Change]:
+def _folded(single: Sequence[TriedChange]) -> Iterator[TriedChange]:
     """Changes that beat the track alone; of the others one row for each thing that became of them."""
     alone = [change for change in single if change.verdict in (DOMINATED, EXCUSED, NOT_CLOCKED)]
     yield from alone
@@ -302,7 +302,7 @@ def _sentences(rows: Sequence[Row]) -> list[str]:
 
 
 TABLE = Table(
-    columns=names(Change, "cost"),
+    columns=names(TriedChange, "cost"),
     objects=changes,
     bare="cost",
     shown=(

@@ -21,14 +21,14 @@ from plumbline.harness.findings.effects_audit import (
 )
 from plumbline.harness.findings.once import all_once
 from plumbline.harness.findings.parameter_words import differing, in_words
-from plumbline.harness.findings.samples import Block, BlockSample, ratio_in_blocks, samples_by_block
+from plumbline.harness.findings.samples import BlockSample, SampledBlock, ratio_in_blocks, samples_by_block
 from plumbline.harness.search.needless_effects import Consequence, Scale, departure, matters, scale_in, weighed
 from plumbline.harness.statistics.interval import Interval
 from plumbline.harness.store.store import Store
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Verdict(Cell):
+class EffectVerdict(Cell):
     """One effect of one scene on one engine, or everything on.
 
     Terms:
@@ -58,14 +58,14 @@ class Verdict(Cell):
     trial: str
 
 
-def verdicts_if_described(store: Store) -> tuple[Verdict, ...]:
+def verdicts_if_described(store: Store) -> tuple[EffectVerdict, ...]:
     """The same for pages that are not about effects alone: none where the folder has lost the catalogue, which says what
     scenes call for."""
     return verdicts(store) if store.catalogue else ()
 
 
 @all_once
-def verdicts(store: Store) -> Iterator[Verdict]:
+def verdicts(store: Store) -> Iterator[EffectVerdict]:
     """All rows of a run."""
     trials = store.trials
     trials = trials.assign(departure=[json.loads(text).get("name", "") for text in trials["alteration"]])
@@ -80,7 +80,7 @@ def verdicts(store: Store) -> Iterator[Verdict]:
                 yield from _of_side(store, str(engine), str(track), named[str(parameters)], group, needed, samples)
 
 
-Sampled = Mapping[str, Mapping[Block, BlockSample]]
+Sampled = Mapping[str, Mapping[SampledBlock, BlockSample]]
 
 
 def _where(parameters: Iterable[str], own: Mapping[str, Any]) -> dict[str, str]:
@@ -132,7 +132,7 @@ def _of_side(
     group: pd.DataFrame,
     needed: Mapping[str, _Need],
     samples: Sampled,
-) -> Iterator[Verdict]:
+) -> Iterator[EffectVerdict]:
     runs = _runs(group)
     plain = runs.get("")
     if plain is None:
@@ -150,9 +150,9 @@ def _of_side(
         verdict: str,
         price: Interval | None,
         reason: str = "",
-    ) -> Verdict:
+    ) -> EffectVerdict:
         effects = () if isinstance(subject, str) else subject
-        return Verdict(
+        return EffectVerdict(
             **cell,
             effect=subject if isinstance(subject, str) else ", ".join(subject),
             effects=effects,
@@ -240,7 +240,7 @@ def sentences(rows: Sequence[Row], *, accusing: bool = True, titles: Mapping[str
 
 
 TABLE = Table(
-    columns=tuple(name for name in names(Verdict, "cost") if name != "effects"),  # the cell `effect` holds their names
+    columns=tuple(name for name in names(EffectVerdict, "cost") if name != "effects"),  # the cell `effect` holds their names
     objects=verdicts,
     bare="cost",
     shown=(

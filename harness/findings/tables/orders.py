@@ -23,7 +23,7 @@ from plumbline.harness.statistics.order import Order, falls_short, fit_order
 from plumbline.harness.store.rows import grouped
 from plumbline.harness.store.store import Store
 
-Verdict = Literal["kept", "broken", "exact", "open", "none"]
+OrderVerdict = Literal["kept", "broken", "exact", "open", "none"]
 
 ROUNDINGS = 8
 """Roundings of the scale in each step, all to one side, that an error may consist of."""
@@ -36,7 +36,7 @@ _READ = ["trial", "case", "parameters", "engine", "track", "dt", "resolved"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Convergence(Cell):
+class ObservedOrder(Cell):
     """How the headline error of a case shrinks with the time step on one engine under one group of settings.
 
     Terms:
@@ -49,7 +49,7 @@ class Convergence(Cell):
     integrator: str
     fit: Order | None
     promised: int | None
-    verdict: Verdict
+    verdict: OrderVerdict
     finding: str
 
     def flat(self) -> dict[str, Any]:
@@ -64,7 +64,7 @@ COLUMNS = ("case", "where", "engine", "track", "metric", "integrator", *_OF_FIT,
 
 
 @all_once
-def convergences(store: Store) -> list[Convergence]:
+def convergences(store: Store) -> list[ObservedOrder]:
     """One row for each ladder of at least three steps, experiments that share settings taken together."""
     cases, engines = store.catalogue.get("cases", {}), store.catalogue.get("engines", {})
     if store.asked.empty:
@@ -112,7 +112,7 @@ def _seedless(parameters: str) -> str:
     return json.dumps({k: v for k, v in _object(parameters).items() if k != "seed"}, sort_keys=True)
 
 
-def _row(cell: Cell, about: Mapping[str, Any], who: Mapping[str, Any], ladder: Sequence[_Rung]) -> Convergence:
+def _row(cell: Cell, about: Mapping[str, Any], who: Mapping[str, Any], ladder: Sequence[_Rung]) -> ObservedOrder:
     integrators = sorted({str(_object(rung.resolved).get("integrator") or "") for rung in ladder})
     promised = _promise(about.get("converges", ""), who.get("orders", {}), integrators)
     by_step = grouped(zip(_taken(ladder), ladder, strict=True), itemgetter(0))
@@ -122,7 +122,7 @@ def _row(cell: Cell, about: Mapping[str, Any], who: Mapping[str, Any], ladder: S
     fit, outcome = verdict(steps, errors, promised, scale, duration)
     by = " and ".join(map(called, integrators))
     title = f"{about.get('title') or cell.case} on {who.get('title') or cell.engine} ({cell.track}, {by})"
-    return Convergence(
+    return ObservedOrder(
         **cell.cell,
         metric=str(about.get("headline", "")),
         integrator=" ".join(integrators),
@@ -154,7 +154,7 @@ def _promise(converges: str, orders: Mapping[str, int], integrators: Sequence[st
 
 def verdict(
     steps: Sequence[float], errors: Sequence[float], promised: int | None, scale: float, duration: float
-) -> tuple[Order | None, Verdict]:
+) -> tuple[Order | None, OrderVerdict]:
     """The fit through what lies above rounding, and what it says of the promise.
 
     Args:
@@ -191,7 +191,7 @@ def _sentence(title: str, fit: Order, promised: int, finest: float) -> str:
 TABLE = Table(
     columns=COLUMNS,
     objects=convergences,
-    row=Convergence.flat,
+    row=ObservedOrder.flat,
     shown=(
         *plain("case", "engine", "track", "integrator"),
         Column("promised", "promised", "d"),

@@ -21,7 +21,7 @@ from plumbline.harness.findings.columns import Column, Row, Table, known, spread
 from plumbline.harness.findings.costs import PENETRATION, RESIDUAL, Cost, Exponent, Sweep, growth, no_worse, whole
 from plumbline.harness.findings.emulations import share_in_words
 from plumbline.harness.findings.parameter_words import called, differing, other_values, said
-from plumbline.harness.findings.samples import Block, BlockSample, Clock, ratio_in_blocks, samples_by_block
+from plumbline.harness.findings.samples import BlockSample, Clock, SampledBlock, ratio_in_blocks, samples_by_block
 from plumbline.harness.findings.steps_taken import with_substeps
 from plumbline.harness.statistics.interval import Interval
 from plumbline.harness.statistics.order import FEWEST
@@ -62,7 +62,7 @@ class Scaling:
         self._ours = {name for name, engine in engines.items() if engine.get("ours")}
 
     @cached_property
-    def _samples(self) -> Mapping[str, Mapping[Block, BlockSample]]:
+    def _samples(self) -> Mapping[str, Mapping[SampledBlock, BlockSample]]:
         return samples_by_block(self._store)
 
     @cached_property

@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from plumbline.harness.findings.columns import Column, Row, Table, names, scene, side, spread
-from plumbline.harness.findings.sensor_readings.findings import SKETCHES, Finding, findings
+from plumbline.harness.findings.sensor_readings.findings import SKETCHES, SensorFinding, findings
 from plumbline.harness.findings.sensor_readings.noise import Noise
 from plumbline.harness.findings.steps_taken import columns_with_substeps, with_substeps
 from plumbline.harness.store.store import Store
@@ -19,7 +19,7 @@ OF_NOISE = tuple(name for name in names(Noise) if name not in ("count", "why"))
 
 def _columns() -> tuple[str, ...]:
     """The fields of a finding, with those of its noise in its place."""
-    own = (name for name in names(Finding) if name not in SKETCHES)
+    own = (name for name in names(SensorFinding) if name not in SKETCHES)
     return columns_with_substeps([column for name in own for column in (OF_NOISE if name == "noise" else (name,))])
 
 

@@ -9,7 +9,7 @@ from operator import itemgetter
 from typing import Any
 
 from plumbline.harness.findings.columns import Cell, Column, Row, Table, Titled, Titles, milli, names, scene
-from plumbline.harness.findings.cost_point import Point
+from plumbline.harness.findings.cost_point import CostPoint
 from plumbline.harness.findings.prices import PER_SECOND, priced, unit_of
 from plumbline.harness.findings.standing import cheapness, is_reference, leaders
 from plumbline.harness.findings.steps_taken import step_in_words, substeps_of
@@ -27,7 +27,7 @@ _READ = ["engine", "track", "dt", "resolved", "status", "trial"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Step(Cell):
+class StepRange(Cell):
     """How far the time step of one setting may go in one case.
 
     Terms:
@@ -50,7 +50,7 @@ class Step(Cell):
     trial: str
 
 
-def largest_steps(store: Store) -> list[Step]:
+def largest_steps(store: Store) -> list[StepRange]:
     """One row for each setting of an engine that was run at `FEWEST` steps or more in a case that has an error."""
     prices = priced(store)
     known = {point.trial: point for point in prices.points}
@@ -68,7 +68,7 @@ def largest_steps(store: Store) -> list[Step]:
     return steps
 
 
-def _step(cell: Cell, ladder: Sequence[Mapping[str, Any]], known: Mapping[str, Point], timed: bool) -> Step:
+def _step(cell: Cell, ladder: Sequence[Mapping[str, Any]], known: Mapping[str, CostPoint], timed: bool) -> StepRange:
     whole = [row["status"] in _WHOLE for row in ladder]
     points = [known.get(row["trial"]) for row in ladder]
     close = [point is not None and point.error <= WITHIN for point in points]
@@ -76,7 +76,7 @@ def _step(cell: Cell, ladder: Sequence[Mapping[str, Any]], known: Mapping[str, P
     parts = [substeps_of(str(row["resolved"])) for row in ladder]
     accurate, stable = _first(close), _first(whole)
     there = points[accurate - 1] if accurate else None
-    return Step(
+    return StepRange(
         **cell.cell,
         stable=steps[stable - 1] if stable else None,
         stable_substeps=parts[stable - 1] if stable else None,
@@ -127,7 +127,7 @@ def _way(row: Row) -> str:
 
 
 TABLE = Table(
-    columns=names(Step),
+    columns=names(StepRange),
     objects=largest_steps,
     shown=(
         Column("case", scene),

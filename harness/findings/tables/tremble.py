@@ -50,7 +50,7 @@ _Key: TypeAlias = tuple[str, str, str, float, float]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Run:
+class TrembleRun:
     """A run: vibration [rad/s], infinite where it fell or diverged; frequency [Hz]; the case's bound [rad/s]; its name."""
 
     vibration: float
@@ -72,7 +72,7 @@ class Tremble:
     track: str
     stiffness: float
     dt: float
-    base: Run
+    base: TrembleRun
     shares: Mapping[str, float]
     cause: str
     why: str
@@ -83,13 +83,13 @@ class Tremble:
         return math.isinf(self.base.vibration)
 
 
-def _share(base: Run, changed: Run) -> float:
+def _share(base: TrembleRun, changed: TrembleRun) -> float:
     if math.isinf(changed.vibration):
         return 1.0 if math.isinf(base.vibration) else 0.0
     return base.vibration / changed.vibration if changed.vibration > 0 else math.inf
 
 
-def attribute(base: Run, changes: Mapping[str, Run]) -> tuple[Mapping[str, float], str, str]:
+def attribute(base: TrembleRun, changes: Mapping[str, TrembleRun]) -> tuple[Mapping[str, float], str, str]:
     """How many times smaller each change made the vibration, the cause, and the rule that gave it.
 
     Args: changes: runs by the names of CHANGES; those that an engine cannot make are left out.
@@ -120,7 +120,7 @@ def attribute(base: Run, changes: Mapping[str, Run]) -> tuple[Mapping[str, float
     return shares, "not separated", f"healed by {', '.join(healing) or 'none of the changes'}"
 
 
-def _runs(store: Store) -> Iterator[tuple[dict[str, Any], float, Run]]:
+def _runs(store: Store) -> Iterator[tuple[dict[str, Any], float, TrembleRun]]:
     """Each trial that has a stiffness and was asked for its vibration, with that stiffness."""
     asked = {
         name
@@ -144,7 +144,7 @@ def _runs(store: Store) -> Iterator[tuple[dict[str, Any], float, Run]]:
         yield (
             row,
             float(stiffness),
-            Run(
+            TrembleRun(
                 vibration=math.inf if lost else size,
                 frequency=float(mine.get("vibration_frequency", {}).get("value", math.nan)),
                 bound=bound if math.isfinite(bound) else _bound(store, row),
@@ -182,7 +182,9 @@ def findings(store: Store) -> tuple[Tremble, ...]:
     return tuple(sorted(made, key=attrgetter("case", "engine", "track", "stiffness")))
 
 
-def _changes(runs: Mapping[_Key, Run], base: _Key, variants: Mapping[tuple[str, str, str], str]) -> dict[str, Run]:
+def _changes(
+    runs: Mapping[_Key, TrembleRun], base: _Key, variants: Mapping[tuple[str, str, str], str]
+) -> dict[str, TrembleRun]:
     """The runs that differ from a base in one thing. Args: variants: by engine, track and change."""
     case, engine, track, stiffness, dt = base
     changes = {}

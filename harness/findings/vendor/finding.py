@@ -13,7 +13,7 @@ from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-Kind = Literal["bug", "trap", "limit"]
+FindingKind = Literal["bug", "trap", "limit"]
 """bug: against what the vendor documents, or the format read; trap: documented, or told, and easily fallen into; limit: the
 method's."""
 
@@ -30,7 +30,7 @@ class _Table(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
 
     engine: str = Field(min_length=1)
-    kind: Kind
+    kind: FindingKind
     title: str = Field(min_length=1)
     seen: list[str] = Field(min_length=1)
     documented: str = Field(min_length=1)
@@ -54,7 +54,7 @@ class Finding:
 
     name: str
     engine: str
-    kind: Kind
+    kind: FindingKind
     title: str
     seen: tuple[str, ...]
     documented: str

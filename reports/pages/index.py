@@ -12,16 +12,15 @@ from plumbline.reports.charts.errors import across_cases
 from plumbline.reports.html.template import fill
 from plumbline.reports.page import Page, Rendered
 from plumbline.reports.standalone.history_news import history_news
-from plumbline.reports.tables.engine_cases import tracks_of
 from plumbline.reports.tables.engine_summary import Glance, glances
 from plumbline.reports.tables.failures import failing
-from plumbline.reports.tables.limits_met import limits_met
+from plumbline.reports.tables.limit_table import limits_met
 from plumbline.reports.tables.own_scenes import by_case
 from plumbline.reports.tables.published import published_table
 from plumbline.reports.tables.selection import needs
 from plumbline.reports.tables.summary import sentences
 from plumbline.reports.tables.trial_results import answers, at_own_step
-from plumbline.reports.tables.verdicts import cells_by_family, verdicts
+from plumbline.reports.tables.verdicts import cells_by_family, tracks_of, verdicts
 from plumbline.reports.words.catalogue import cases, compared_tracks, engines, named_tracks, setting_words
 from plumbline.reports.words.status import STATUSES, VERDICTS
 

@@ -4,12 +4,13 @@ it out anew."""
 import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import lru_cache, partial
+from functools import partial
 from glob import escape
 from typing import Any
 
 from markupsafe import Markup
 
+from plumbline.harness.findings.once import once
 from plumbline.harness.findings.selection import CRITERIA, Answer, Wish, choose, preset_names, read_preset
 from plumbline.harness.findings.selection.choose import EXPRESSED
 from plumbline.harness.findings.selection.evidence import DECADES_OF_SPEED, Datum
@@ -32,7 +33,7 @@ from plumbline.reports.words.catalogue import FAMILIES, cases, engine_title, set
 from plumbline.reports.words.text import TIMES, amount, settings_text, slug
 
 
-@lru_cache(maxsize=1)
+@once
 def answer(store: Store) -> Answer:
     """At equal weights, over all cases, without the reference engine."""
     return choose(store, Wish())
@@ -96,7 +97,7 @@ FEWEST = 3
 """Cases of a purpose below which nothing is said of it."""
 
 
-@lru_cache(maxsize=1)
+@once
 def answers_by_purpose(store: Store) -> Mapping[str, Answer]:
     """Of each built-in purpose of which the run has cases enough."""
     listed = sorted(preset_names(), key=lambda name: read_preset(name).order)
@@ -104,7 +105,7 @@ def answers_by_purpose(store: Store) -> Mapping[str, Answer]:
     return {name: a for name, a in chosen.items() if a.rank is not None and len(a.evidence.cases) >= FEWEST}
 
 
-@lru_cache(maxsize=1)
+@once
 def needs(store: Store) -> list[Need]:
     """The scenes of the user's own, and the built-in purposes of which the run has cases enough."""
     if not asked_of_several(store):

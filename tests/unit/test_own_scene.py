@@ -15,9 +15,10 @@ from plumbline.harness.case.own_titles import title_of
 from plumbline.harness.case.scene_file import own_case
 from plumbline.harness.cli.own_scene import closing_count, closing_words, waiting
 from plumbline.harness.findings import tables
-from plumbline.harness.findings.agreement import agreements, balances, errors_of, outlooks
 from plumbline.harness.findings.agreement.costs import best_price, best_setting
+from plumbline.harness.findings.agreement.found import agreements, errors_of
 from plumbline.harness.findings.agreement.happened import happenings
+from plumbline.harness.findings.agreement.perturbed_starts import balances, outlooks
 from plumbline.harness.findings.agreement.setting_causes import Turned, settings_turned
 from plumbline.harness.findings.agreement.so_far import words_so_far
 from plumbline.harness.findings.agreement.values import Side, Word

@@ -9,20 +9,22 @@ import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property, lru_cache
+from functools import cached_property
+from operator import attrgetter, itemgetter
 from statistics import geometric_mean, median
 from typing import Any, TypeVar
 
-from plumbline.harness.findings.agreement import AGREED_TRUTH
+from plumbline.harness.findings.agreement.found import AGREED_TRUTH
 from plumbline.harness.findings.limits_found import CONSTANT, searches_if_described
+from plumbline.harness.findings.once import once
 from plumbline.harness.findings.prices import number, priced
 from plumbline.harness.findings.selection.wish import Wish
 from plumbline.harness.findings.speed import BEYOND, Side, Speed, speeds
 from plumbline.harness.findings.steps_taken import substeps_of, substeps_taken
 from plumbline.harness.findings.tables.agreement import TABLE as AGREEMENT
-from plumbline.harness.findings.tables.determinism import agreements as repetitions
+from plumbline.harness.findings.tables.determinism import repetitions
 from plumbline.harness.metric.titles import metric_title
-from plumbline.harness.store.rows import records
+from plumbline.harness.store.rows import grouped, records
 from plumbline.harness.store.store import Store
 
 DECADES_OF_ERROR, DECADES_OF_SPEED = math.log10(BEYOND), 2.0
@@ -135,25 +137,21 @@ def _of_cases(data: Mapping[_By, Datum], cases: Mapping[str, float]) -> dict[_By
     return {key: datum for key, datum in data.items() if key[0] in cases}
 
 
-@lru_cache(maxsize=1)
+@once
 def _judged(store: Store) -> Mapping[Side, list[dict[str, Any]]]:
     """The trials that say something of an engine, with the columns `_JUDGED`, by case, engine and track."""
-    groups: dict[Side, list[dict[str, Any]]] = {}
-    for row in records(store.asked.loc[~store.asked["status"].isin(_NOT_ASKED), _JUDGED]):
-        groups.setdefault((row["case"], row["engine"], row["track"]), []).append(row)
-    return groups
+    told = store.asked.loc[~store.asked["status"].isin(_NOT_ASKED), _JUDGED]
+    return grouped(records(told), itemgetter("case", "engine", "track"))
 
 
-@lru_cache(maxsize=1)
+@once
 def _failing(store: Store) -> Mapping[str, list[dict[str, Any]]]:
     """The measurements that failed a check, by trial."""
-    measured: dict[str, list[dict[str, Any]]] = {}
-    for m in records(store.measurements[store.measurements["passed"].eq(False).fillna(False)]):
-        measured.setdefault(str(m["trial"]), []).append(m)
-    return measured
+    failed = store.measurements[store.measurements["passed"].eq(False).fillna(False)]
+    return grouped(records(failed), itemgetter("trial"))
 
 
-@lru_cache(maxsize=8)
+@once
 def _accuracy(store: Store, target: float) -> dict[Side, Datum]:
     """By case, engine and track, of the run that the speed is taken from; without one, of the run at the case's own step."""
     prices, fast, about_cases = priced(store), speeds(store, target), store.catalogue.get("cases", {})
@@ -186,7 +184,7 @@ def _accuracy(store: Store, target: float) -> dict[Side, Datum]:
     return data
 
 
-@lru_cache(maxsize=1)
+@once
 def _robustness(store: Store) -> dict[Side, Datum]:
     data: dict[Side, Datum] = {}
     for (case, engine, track), group in _judged(store).items():
@@ -199,7 +197,7 @@ def _robustness(store: Store) -> dict[Side, Datum]:
     return data
 
 
-@lru_cache(maxsize=1)
+@once
 def _limits(store: Store) -> dict[tuple[str, str], Datum]:
     """The farthest of an engine's tracks in each case, without remedies; between what held and the next that was tried."""
     data: dict[tuple[str, str], Datum] = {}
@@ -219,26 +217,18 @@ def _limits(store: Store) -> dict[tuple[str, str], Datum]:
     return data
 
 
-@lru_cache(maxsize=1)
+@once
 def _determinism(store: Store) -> dict[tuple[str, str], Datum]:
-    groups: dict[tuple[str, str], list[bool]] = {}
-    trials: dict[tuple[str, str], str] = {}
-    for repetition in repetitions(store):
-        if repetition.must and repetition.verdict in ("bit-identical", "differs"):
-            key = repetition.case, repetition.engine
-            groups.setdefault(key, []).append(repetition.verdict == "bit-identical")
-            trials.setdefault(key, repetition.trial)
-    return {
-        key: Datum.of(
-            sum(same) / len(same),
-            trial=trials[key],
-            says=f"{sum(same)} of {len(same)} repetitions have the same bits",
-        )
-        for key, same in groups.items()
-    }
+    told = (each for each in repetitions(store) if each.must and each.verdict in ("bit-identical", "differs"))
+    data = {}
+    for key, mine in grouped(told, attrgetter("case", "engine")).items():
+        same = sum(each.verdict == "bit-identical" for each in mine)
+        says = f"{same} of {len(mine)} repetitions have the same bits"
+        data[key] = Datum.of(same / len(mine), trial=mine[0].trial, says=says)
+    return data
 
 
-@lru_cache(maxsize=1)
+@once
 def _unclocked(store: Store) -> frozenset[tuple[str, str]]:
     """Cases and engines with an answer and no time of a step: nothing is known of their speed."""
     timed = store.asked[store.asked["status"].isin(_ANSWERED)]
@@ -350,7 +340,7 @@ def _own(store: Store) -> frozenset[str]:
     )
 
 
-@lru_cache(maxsize=1)
+@once
 def _capabilities(store: Store) -> dict[tuple[str, str], Datum]:
     """By case and engine."""
     data: dict[tuple[str, str], Datum] = {}

@@ -41,9 +41,9 @@ if TYPE_CHECKING:
 
 __all__ = [
     "WORLD", "Ball", "Batch", "Body", "Box", "Capsule", "Contacts", "ConvexHull", "Coupling", "Cylinder", "Distance",
-    "Diverged", "Drive", "Ellipsoid", "Eye", "Fixed", "Hits", "Joint", "Lens", "Limits", "ManyImpacts", "NotSupported", "Optics",
-    "Options", "Picture", "Placed", "Plane", "Prismatic", "Revolute", "Shape", "Sphere", "Spring", "Sun", "Surface", "TriangleMesh",
-    "World",
+    "Diverged", "Drive", "Ellipsoid", "Eye", "Fixed", "Hits", "Joint", "Lens", "Limits", "ManyImpacts", "NotSupported",
+    "Optics", "Options", "Picture", "Placed", "Plane", "Prismatic", "Revolute", "Shape", "Sphere", "Spring", "Sun", "Surface",
+    "TriangleMesh", "World",
 ]  # fmt: skip
 
 __version__ = "0.1.0"

@@ -147,7 +147,7 @@ FLOAT_TABLES: Final = 13
 
 
 class Tables(NamedTuple):
-    """What is known of trees: of links what stays, moves, weighs, stands; columns, laws, stages, sub-steps; ties; kin, loops."""
+    """What is known of trees: of links what stays, moves, weighs; where they stand; columns, laws, stages; ties; loops."""
 
     link: Floats
     motion: Floats

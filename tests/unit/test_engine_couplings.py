@@ -42,7 +42,7 @@ def tie(joint: str, ratio: float, offset: float = 0.0) -> engine.Coupling:
 def machine(heavy: Any = None, light: Any = None, axle: Any = None, more: Any = (), **options: Any) -> engine.World:
     """Atwood's: 3 and 1 kg on a cord over a pulley of .3 kg m2 and .5 m radius. Args: heavy, light, axle: of the joints."""
     bodies = [body("pulley"), body("heavy", (1.0, 0.0, 0.0), 3.0), body("light", (-1.0, 0.0, 0.0), 1.0)]
-    joints = [
+    joints: list[engine.Joint] = [
         hinge("axle", "pulley", **(axle or {})),
         drop("down", "heavy", bodies[1].p_WB, coupling=tie("axle", 0.5), **(heavy or {})),
         drop("up", "light", bodies[2].p_WB, coupling=tie("down", -1.0), **(light or {})),
@@ -72,10 +72,10 @@ def test_atwoods_machine_falls_as_its_closed_form_and_its_cords_carry_what_they_
 
 
 def test_a_yo_yo_falls_by_its_moment_over_the_square_of_its_radius() -> None:
-    """A spool of 1.8 kg and I = 2e-3 kg m2 on a carriage of .2 kg that falls with it, r = 1 cm: a = g / (1 + I / (m r^2)) = g / 11."""
+    """A spool of 1.8 kg and I = 2e-3 kg m2 on a carriage of .2 kg that falls with it, r = 1 cm: a = g / (1 + I / (m r^2))."""
     bodies = [body("carriage", mass=0.2, moment=1e-3), body("spool", mass=1.8, moment=2e-3)]
     string = drop("string", "carriage", coupling=tie("spin", 0.01))
-    joints = [string, hinge("spin", "spool", parent="carriage")]
+    joints: list[engine.Joint] = [string, hinge("spin", "spool", parent="carriage")]
     world = engine.World(bodies, joints, options=engine.Options(dt=0.01, integrator="rk4"))
     world.step(100)
     a = G / (1.0 + 2e-3 / (2.0 * 0.01**2))
@@ -130,8 +130,8 @@ def test_tied_trees_have_the_accelerations_of_the_equations_that_are_left(floati
 @pytest.mark.parametrize("floating", [False, True], ids=["held", "free"])
 def test_integrators_converge_to_one_motion_of_a_tied_tree(floating: bool) -> None:
     """At half the step the errors against Dormand and Prince's, of 1e-12, are a half, a fourth and a sixteenth, to a quarter of
-    that; ties hold to round-off, of coordinates near 1 and rates below 1e2. Semi-implicit Euler's velocities are those from pose
-    to pose, which keep to ties as they do to joints, by the order of a step."""
+    that; ties hold to round-off, of coordinates near 1 and rates below 1e2. Semi-implicit Euler's velocities are those between
+    poses, which keep to ties as they do to joints, by the order of a step."""
     tree = random_tree(11, floating, backwards=not floating, ties=TIES)
     truth = world_of(tree, dt=4e-2, integrator="dormand_prince", tolerance=1e-12)
     truth.step()
@@ -158,7 +158,7 @@ def test_laws_of_tied_coordinates_hold_together_at_the_end_of_every_step(seeds: 
     for seed in seeds:
         tree = random_tree(seed, floating=False, kinds=("revolute", "prismatic"), backwards=False, ties=ties)
         tree.joints = [
-            replace(joint, **LAWS[(k + seed) % len(LAWS)])  # type: ignore[arg-type, type-var]
+            replace(joint, **LAWS[(k + seed) % len(LAWS)])
             for k, joint in enumerate(tree.joints)
         ]
         h = 1e-2
@@ -254,7 +254,7 @@ def coordinate_row(bodies: list[engine.Body], joint: Any) -> np.ndarray:
 @pytest.mark.parametrize("apart", [False, True], ids=["one tree", "two trees"])
 def test_struck_links_of_tied_trees_answer_as_the_dense_equations_of_all_bodies(apart: bool) -> None:
     """As without ties (test_engine_joint_contacts), with a row for each tie among those of the joints: one within a tree, or
-    between two, of which one is struck and the other's bodies are looked at too. Round-off, and one turn of 1e-6 in the step."""
+    between two, of which one is struck and the other's bodies are looked at too. Round-off, and a turn of 1e-6 in a step."""
     bodies, joints = branches(held=True)
     if apart:
         others, hooks = branches(held=True, seed=8)
@@ -262,7 +262,7 @@ def test_struck_links_of_tied_trees_answer_as_the_dense_equations_of_all_bodies(
         bodies += [replace(one, name="other " + one.name, p_WB=tuple(np.array(one.p_WB) + shift)) for one in others]
         for one in hooks:
             parent = one.parent if one.parent == engine.WORLD else "other " + one.parent
-            place = {"anchor_W": tuple(np.array(one.anchor_W) + shift)}  # type: ignore[union-attr]
+            place: dict[str, Any] = {"anchor_W": tuple(np.array(one.anchor_W) + shift)}  # type: ignore[union-attr]
             joints.append(replace(one, name="other " + one.name, parent=parent, child="other " + one.child, **place))
     ties = {"joint1": ("other joint4" if apart else "joint4", -1.7), "joint3": ("joint0", 0.4)}
     named = {joint.name: joint for joint in joints}
@@ -280,10 +280,10 @@ def test_struck_links_of_tied_trees_answer_as_the_dense_equations_of_all_bodies(
     for k in (2, 4):
         way = np.array(bodies[k].v_WB) / np.linalg.norm(bodies[k].v_WB)
         aside = np.cross(way, (0.0, 0.6, 0.8))
-        place = np.array(bodies[k].p_WB) + 0.02 * (math.sqrt(0.96) * way + 0.2 * aside / np.linalg.norm(aside))
+        centre = np.array(bodies[k].p_WB) + 0.02 * (math.sqrt(0.96) * way + 0.2 * aside / np.linalg.norm(aside))
         bodies[k] = replace(bodies[k], shapes=[engine.Placed(engine.Sphere(0.01))])
         still.append(
-            engine.Body(name=f"ball{k}", motion="static", p_WB=tuple(place), shapes=[engine.Placed(engine.Sphere(0.01))])
+            engine.Body(name=f"ball{k}", motion="static", p_WB=tuple(centre), shapes=[engine.Placed(engine.Sphere(0.01))])
         )
     dt = 1e-7
     law = {("default", "default"): engine.Surface(static_friction=0.3, kinetic_friction=0.3)}
@@ -317,7 +317,7 @@ def test_a_machine_lets_its_heavy_weight_down_on_the_floor() -> None:
         body("light", (-1.0, 0.0, 0.0), 1.0),
         floor,
     ]
-    joints = [
+    joints: list[engine.Joint] = [
         hinge("axle", "pulley"),
         drop("down", "heavy", bodies[1].p_WB, coupling=tie("axle", 0.5)),
         drop("up", "light", bodies[2].p_WB, coupling=tie("down", -1.0)),
@@ -332,7 +332,7 @@ def test_a_machine_lets_its_heavy_weight_down_on_the_floor() -> None:
 
 def test_what_knows_no_couplings_refuses_them_by_name() -> None:
     """Bodies' own coordinates, integrators of stages that trees lack, solvers of contacts without trees, loops, and starts."""
-    ball = {"shapes": [engine.Placed(engine.Sphere(0.1))]}
+    ball: dict[str, Any] = {"shapes": [engine.Placed(engine.Sphere(0.1))]}
     loose = [body("a", (5.0, 0.0, 0.0), **ball), body("b", (7.0, 0.0, 0.0), **ball)]
     for options, why in (
         ({"coordinates": "maximal"}, "coupled joint 'down' with bodies' own coordinates"),
@@ -360,7 +360,7 @@ def test_what_knows_no_couplings_refuses_them_by_name() -> None:
     with pytest.raises(ValueError, match="ratio 0"):
         tie("axle", 0.0)
     bodies = [body("pulley", w_WB=(0.0, 1.0, 0.0)), body("heavy", (1.0, 0.0, 0.0), v_WB=(0.0, 0.0, -0.4))]
-    joints = [hinge("axle", "pulley"), drop("down", "heavy", bodies[1].p_WB, coupling=tie("axle", 0.5))]
+    joints: list[engine.Joint] = [hinge("axle", "pulley"), drop("down", "heavy", bodies[1].p_WB, coupling=tie("axle", 0.5))]
     with pytest.raises(engine.NotSupported, match=r"its initial rate is 0.4, expected 0.5 by its coupling to 'axle'"):
         engine.World(bodies, joints)
     ring = [body("one", (1.0, 0.0, 0.0)), body("two", (2.0, 0.0, 0.0))]

@@ -141,8 +141,19 @@ def forest_of(bodies: Sequence[Body], joints: Sequence[Joint]) -> Forest | NoFor
             if end not in place:
                 return NoForest(f"joint '{end}'", "it closes a loop, and couplings tie coordinates of trees")
         links[place[name]] = replace(links[place[name]], tie=Tie(place[leader], ratio))
+    carrying = {link.parent for link in links}
+    for i, body in enumerate(bodies):
+        if not body.massless:
+            continue
+        if i not in where or links[where[i]].joint < 0 or where[i] not in carrying or _closes(body, closing, joints):
+            return NoForest(f"body '{body.name}'", "it has no mass, and stands between no two joints of a tree")
     others = tuple(i for i, body in enumerate(bodies) if i not in where and body.motion != "static")
     return Forest(tuple(links), others, closing)
+
+
+def _closes(body: Body, closing: Sequence[int], joints: Sequence[Joint]) -> bool:
+    """Whether a joint that closes a loop ends at a body."""
+    return any(body.name in (joints[j].parent, joints[j].child) for j in closing)
 
 
 def law_of(joint: Joint) -> str:

@@ -13,7 +13,6 @@ from plumbline.adapters.dart.vendor import pose
 from plumbline.harness.adapter.touching_kinds import Kind
 from plumbline.harness.scene import Effect
 
-
 FAINT = 1e-12
 """Of mass and inertia, what bodies without mass get: DART takes none too, at the price of a warning for each; what this adds to
 any inertia is its rounding."""

@@ -22,9 +22,9 @@ class Plan:
     Terms:
         effects: the scene's, worked out once. h [s]: the sub-step that is taken. joints: none where the scene does not call for
         them. links: the bodies in their trees, from the roots down; loops: the joints that close loops. chains: as
-        `in_one_body`; carrier: of each body the one whose native joints end at it, itself but of one without mass. index: of each body its
-        place in the scene. held: the bodies that joints hold. Of each body, in the order of the scene: moments [kg m2] about
-        its principal axes, q_BM, q_WM and R_WM of its principal frame M, p [m], its centre of mass in W.
+        `in_one_body`; carrier: of each body the one whose native joints end at it, itself but of one without mass. index: of
+        each body its place in the scene. held: the bodies that joints hold. Of each body, in the order of the scene: moments
+        [kg m2] about its principal axes, q_BM, q_WM and R_WM of its principal frame M, p [m], its centre of mass in W.
     """
 
     scene: Scene

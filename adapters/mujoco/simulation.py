@@ -37,7 +37,8 @@ class MujocoSimulation:
         self._massless = [k for k, b in enumerate(world.scene.bodies) if b.massless]
         hung = self._indices.hung
         self._natives = {
-            chain.joints: np.array([hung[world.scene.joints[k].name].native for k in chain.joints]) for chain in self._indices.chains
+            chain.joints: np.array([hung[world.scene.joints[k].name].native for k in chain.joints])
+            for chain in self._indices.chains
         }
         self._root = self._m.body_rootid[self._indices.body]
         self._renderer, self._inertial, self._joints = Renderer(world), Inertial(world), JointReader(world)

@@ -25,9 +25,10 @@ class Body:
 
     Terms:
         mass [kg]; inertia (3, 3) kg m2 in B about the centre of mass, both zero of a body between two joints of a tree; shapes:
-        what touches; visual: what is drawn and seen by rays that ask for it, the same if None; optics: what light does at its surface; p_WB [m], q_WB (w, x, y, z), v_WB [m/s]
-        of the centre of mass, w_WB [rad/s] in W; linear_damping and angular_damping: rates c [1/s] in v' = -c v and w' = -c w;
-        motion: 'static' never moves, 'kinematic' keeps its velocities whatever touches it.
+        what touches; visual: what is drawn and seen by rays that ask for it, the same if None; optics: what light does at its
+        surface; p_WB [m], q_WB (w, x, y, z), v_WB [m/s] of the centre of mass, w_WB [rad/s] in W; linear_damping and
+        angular_damping: rates c [1/s] in v' = -c v and w' = -c w; motion: 'static' never moves, 'kinematic' keeps its
+        velocities whatever touches it.
     """
 
     name: str = "body"
@@ -71,7 +72,6 @@ class Body:
             raise ValueError(f"{label}: static, but v_WB {tuple(self.v_WB)} m/s or w_WB {tuple(self.w_WB)} rad/s is not zero")
         not_negative(label, "linear_damping", self.linear_damping, "1/s")
         not_negative(label, "angular_damping", self.angular_damping, "1/s")
-
 
     @property
     def massless(self) -> bool:

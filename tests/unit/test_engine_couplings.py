@@ -157,10 +157,7 @@ def test_laws_of_tied_coordinates_hold_together_at_the_end_of_every_step(seeds: 
     held = set()
     for seed in seeds:
         tree = random_tree(seed, floating=False, kinds=("revolute", "prismatic"), backwards=False, ties=ties)
-        tree.joints = [
-            replace(joint, **LAWS[(k + seed) % len(LAWS)])
-            for k, joint in enumerate(tree.joints)
-        ]
+        tree.joints = [replace(joint, **LAWS[(k + seed) % len(LAWS)]) for k, joint in enumerate(tree.joints)]
         h = 1e-2
         world = world_of(tree, dt=h)
         start = world.state().copy()

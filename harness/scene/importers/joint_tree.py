@@ -246,8 +246,8 @@ def _joint(line: Line, parent: str, child: str, names: _Names, robot: Robot) -> 
         limits=None if c.lower is None and c.upper is None else Limits(lower=c.lower, upper=c.upper),
         spring=_spring(c),
         drive=_drive(c),
-        armature=None if "armature" in robot.dropped else c.armature or None,
-        friction_loss=None if "friction_loss" in robot.dropped else c.friction_loss or None,
+        armature=None if robot.dropped.takes("armature", c.name) else c.armature or None,
+        friction_loss=None if robot.dropped.takes("friction_loss", c.name) else c.friction_loss or None,
         speed_limit=c.speed if robot.speed_limits else None,
         collide=robot.collide,
     )

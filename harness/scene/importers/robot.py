@@ -15,7 +15,7 @@ from zlib import crc32
 
 import numpy as np
 
-from plumbline.harness.intake.import_wishes import Drop
+from plumbline.harness.intake.import_wishes import NOTHING, Drop, Omissions
 from plumbline.harness.scene import Matrix3, Motion, Sensor, Shape, Surface, Vector3
 from plumbline.harness.scene.importers.fidelity import Fidelity
 from plumbline.harness.scene.importers.poses import IDENTITY, Array, Pose
@@ -208,7 +208,7 @@ class Robot:
         where it does not say. contacts: None where it does not say: then all links are of the material 'robot'. filter_world:
         does a link that hangs on the world pass through what is fixed to the world? collide: do links touch what they hang on?
         sensors: of the file, with a link for their body. rows: what was settled while it was read.
-        needs: what has to be dropped by the user. dropped: what the user has dropped, of what a scene has words for.
+        needs: what has to be dropped by the user. dropped: what the user has dropped.
         speed_limits: are bounds of speed laws of the scene?
         wordless: fields of a Coordinate that the format has no word for.
     """
@@ -224,7 +224,7 @@ class Robot:
     sensors: tuple[Sensor, ...] = ()
     rows: tuple[Fidelity, ...] = ()
     needs: tuple[Need, ...] = ()
-    dropped: frozenset[str] = frozenset()
+    dropped: Omissions = NOTHING
     speed_limits: bool = False
     wordless: frozenset[str] = frozenset()
     source: str = ""

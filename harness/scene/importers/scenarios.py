@@ -81,12 +81,12 @@ def held_by_drives(
 
     Args: poses: that it is strong enough for. names: of these joints alone; of all if None.
     """
-    rotors = 0.0 if "armature" in robot.dropped else 1.0
     own: dict[str, float] = {}
     for bodies in poses:
         scalars, M, places = inertias(bodies)
         for c, k in zip(scalars, places, strict=True):
-            own[c.name] = max(own.get(c.name, 0.0), float(M[k, k]) + rotors * c.armature)
+            rotor = 0.0 if robot.dropped.takes("armature", c.name) else c.armature
+            own[c.name] = max(own.get(c.name, 0.0), float(M[k, k]) + rotor)
     given = []
 
     def hold(c: Coordinate) -> Coordinate:

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from types import MappingProxyType
 
-from plumbline.harness.intake.import_wishes import DROPPABLE, Drop, Wishes
+from plumbline.harness.intake.import_wishes import DROPPABLE, Drop, Omissions, Wishes
 from plumbline.harness.intake.near_miss import did_you_mean
 from plumbline.harness.intake.refusal import RobotError, listed
 from plumbline.harness.intake.safe_text import quoted
@@ -65,10 +65,14 @@ def _weighs(robot: Robot) -> bool:
     return any(link.solid is not None and link.solid.mass > 0 for link in robot.links if link.name in fixed)
 
 
-def undropped(robot: Robot, dropped: frozenset[str]) -> list[Fidelity]:
-    """Rows for what the user leaves out. Raises: RobotError, naming all that has no word in a scene and is not dropped."""
+def undropped(robot: Robot) -> list[Fidelity]:
+    """Rows for what the user leaves out.
+
+    Raises: RobotError, naming all that has no word in a scene and is not dropped, and a pattern that no joint meets.
+    """
+    robot.dropped.check((c.name for link in robot.links for c in link.coordinates), robot.source)
     needs = (*robot.needs, *_of_coordinates(robot))
-    open_needs = [need for need in needs if need.kind not in dropped]
+    open_needs = [left for need in needs if (left := left_of(need, robot.dropped)) is not None]
     if open_needs:
         lines = [
             f"{robot.source}: {need.element} {listed(need.names)}: {_said(need)}: a scene has no word for "
@@ -86,6 +90,13 @@ def undropped(robot: Robot, dropped: frozenset[str]) -> list[Fidelity]:
         )
         for need in needs
     ]
+
+
+def left_of(need: Need, dropped: Omissions) -> Need | None:
+    """What of a need is not left out; None for nothing."""
+    joints = need.names if need.element == "joint" else ()
+    names = tuple(name for name in need.names if not dropped.takes(need.kind, name if name in joints else None))
+    return replace(need, names=names) if names else None
 
 
 def wordless_kinds(robot: Robot) -> frozenset[str]:

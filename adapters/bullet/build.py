@@ -19,8 +19,10 @@ from plumbline.adapters.bullet.simulation import BulletSimulation
 from plumbline.adapters.bullet.trees import constrained_joints, spanning_trees
 from plumbline.adapters.bullet.vendor import Port
 from plumbline.harness.adapter import Notice, Settings, Unsupported
+from plumbline.harness.adapter.carried_laws import carried
 from plumbline.harness.adapter.fast_rotors import rotor_notices
 from plumbline.harness.adapter.rotations import conjugate
+from plumbline.harness.adapter.rotors import Blows
 from plumbline.harness.scene import WORLD, Body, Distance, Effect, Prismatic, Revolute, Scene
 from plumbline.harness.trajectory import State
 
@@ -38,6 +40,8 @@ def build_world(port: Port, scene: Scene, settings: Settings, options: Mapping[s
     _filter(plan, made)
     _surplus(plan, made)
     made.springs = plan.springs
+    if any("armature" in carried(joint) for joint in plan.joints):
+        made.blows = Blows(scene)
     simulation = BulletSimulation(scene, resolved_settings(port, settings, {**plan.options, **acting}), made)
     _verify(plan, made, simulation)
     return simulation

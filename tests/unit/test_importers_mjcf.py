@@ -68,7 +68,7 @@ def test_a_pattern_drops_what_the_joints_of_that_name_have_and_leaves_the_others
     assert set(rows) == {("left_out", "'elbow'"), ("exact", "'wrist'"), ("exact", "'elbow'")}
     assert (got.dropped, got.undropped) == (("armature@elb*", "friction_loss@wrist"), whole.scene)
     floating = mjcf(f"{root}{BALL}{second}")
-    with pytest.raises(RobotError, match="joint 'root': armature of up to 0.3"):
+    with pytest.raises(RobotError, match=r"joint 'root': armature of up to 0\.3"):
         imported(tmp_path, floating, drop=frozenset(("armature@wrist",)))
     assert joint(imported(tmp_path, floating, drop=frozenset(("armature@root*",)))).armature == 0.2
 

@@ -41,8 +41,8 @@ class Rotors:
     def check(self) -> None:
         """Has nothing struck a tree with rotors in the last step? Raises: Unsupported."""
         built = self._built
-        found = built.world.getLastCollisionResult()
+        result = built.world.getLastCollisionResult()
         touching: set[int] = set()
-        if found.getNumContacts():
-            touching = {body_of(c) for each in found.getContacts() for c in (each.collisionObject1, each.collisionObject2)}
+        if result.getNumContacts():
+            touching = {body_of(c) for each in result.getContacts() for c in (each.collisionObject1, each.collisionObject2)}
         self._blows.check(lambda name: float(built.coordinates[name].getPosition(0)), touching)

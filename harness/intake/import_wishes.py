@@ -34,7 +34,7 @@ every engine does, or not with each other's friction, so that leaving them out m
 """
 
 DROPPABLE: Mapping[Drop, str] = {
-    "actuator": "actuators that are neither motors nor position servos of one joint",
+    "actuator": "actuators that are no law of one joint, affine in its coordinate and rate",
     "adhesion": "contacts that pull",
     "armature": "rotor inertia about a joint",
     "ball_spring": "springs, dampers and limits of ball and free joints",
@@ -89,12 +89,12 @@ class Omissions:
 
     def check(self, joints: Iterable[str], source: str) -> None:
         """Refuse a pattern that no joint meets. Raises: RobotError."""
-        known = list(joints)
+        names = list(joints)
         for kind, pattern in sorted(self.of_joints):
-            if not any(fnmatchcase(joint, pattern) for joint in known):
+            if not any(fnmatchcase(joint, pattern) for joint in names):
                 raise RobotError(
                     f"{source}: drop: {quoted(f'{kind}@{pattern}', 80)}: no joint is called so, "
-                    f"expected some of {listed(known, 12) or 'none'}"
+                    f"expected some of {listed(names, 12) or 'none'}"
                 )
 
     def restored(self, kinds: Container[Drop]) -> "Omissions":

@@ -20,6 +20,7 @@ from plumbline.harness.scene import (
     Plane,
     Prismatic,
     Revolute,
+    Samples,
     Spring,
 )
 from plumbline.harness.scene.importers.companion import Companion, Massless
@@ -246,6 +247,7 @@ def _joint(line: Line, parent: str, child: str, names: _Names, robot: Robot) -> 
         limits=None if c.lower is None and c.upper is None else Limits(lower=c.lower, upper=c.upper),
         spring=_spring(c),
         drive=_drive(c),
+        effort=Samples(time=(0.0,), target=(c.servo.push,)) if c.servo is not None and c.servo.push else None,
         armature=None if robot.dropped.takes("armature", c.name) else c.armature or None,
         friction_loss=None if robot.dropped.takes("friction_loss", c.name) else c.friction_loss or None,
         speed_limit=c.speed if robot.speed_limits else None,

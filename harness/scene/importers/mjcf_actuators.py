@@ -1,5 +1,8 @@
-"""MJCF's actuators: servos of one joint as drives, motors with a command as their constant force; others."""
+"""MJCF's actuators: what pulls at a joint, by a law that is affine in its coordinate and rate, as the joint's drive; others."""
 
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import TypeAlias
 
 import numpy as np
@@ -13,27 +16,57 @@ Servos: TypeAlias = dict[int, Servo]
 """By the place of a joint in the compiled model."""
 
 
+@dataclass(frozen=True, slots=True)
+class _Law:
+    """The force of an actuator on the coordinate q of its joint: constant + pull - stiffness q - damping q', cut off.
+
+    Terms: pull: what its command asks of the gains, stiffness target + damping target_velocity. low, high: the bounds.
+    """
+
+    stiffness: float
+    damping: float
+    pull: float
+    constant: float
+    low: float = -math.inf
+    high: float = math.inf
+
+    @property
+    def bounded(self) -> bool:
+        """Has it a bound?"""
+        return math.isfinite(self.low) or math.isfinite(self.high)
+
+    @property
+    def gains(self) -> bool:
+        """Does it depend on the coordinate?"""
+        return self.stiffness != 0 or self.damping != 0
+
+
 def read(model: Model, ctrl: Array) -> tuple[Servos, list[Fidelity], list[Need]]:
     """The servos of joints at the commands `ctrl`, what became of the actuators, and those that a scene has no word for."""
-    servos: Servos = {}
-    idle, driven, strange = [], [], []
     if model.flag("actuation"):
         count = len(model.actuator_trntype)
         row = Fidelity(element="actuator", name="", count=count, outcome="exact", consequence="the file switches actuators off")
         return {}, [row] if count else [], []
+    laws: dict[int, list[tuple[str, _Law]]] = {}
+    strange: list[str] = []
     for k in range(len(model.actuator_trntype)):
-        name = model.name("actuator", k)
-        servo = _servo(model, k, ctrl)
-        joint = int(model.actuator_trnid[k][0])
-        if servo is None or joint in servos:
-            strange.append(name)
-        elif servo == Servo():
-            idle.append(name)
+        law = _law(model, k, ctrl)
+        if law is None:
+            strange.append(model.name("actuator", k))
         else:
-            driven.append(name)
+            laws.setdefault(int(model.actuator_trnid[k][0]), []).append((model.name("actuator", k), law))
+    servos: Servos = {}
+    idle, driven = [], []
+    for joint, acting in laws.items():
+        servo, names = _servo(model, joint, [law for _, law in acting]), [name for name, _ in acting]
+        if servo is None:
+            strange += names
+        elif servo == Servo():
+            idle += names
+        else:
+            driven += names
             servos[joint] = servo
-    rows = []
-    rows += Fidelity.exact("actuator", driven, "drive of its joint")
+    rows = Fidelity.exact("actuator", driven, "drive of its joint")
     rows += Fidelity.left_out(
         "actuator",
         idle,
@@ -43,8 +76,8 @@ def read(model: Model, ctrl: Array) -> tuple[Servos, list[Fidelity], list[Need]]
     return servos, rows, [Need(kind="actuator", element="actuator", names=tuple(strange))] if strange else []
 
 
-def _servo(model: Model, k: int, ctrl: Array) -> Servo | None:
-    """The drive that an actuator is; an empty one for a motor without a command; None for what is no drive of one joint.
+def _law(model: Model, k: int, ctrl: Array) -> _Law | None:
+    """The law of an actuator of one joint; None for another one.
 
     Its force is gain u + b_0 + b_1 l + b_2 l', with l = gear q: a torque of gear times that.
     """
@@ -63,21 +96,57 @@ def _servo(model: Model, k: int, ctrl: Array) -> Servo | None:
     if model.word("Joint", int(model.jnt_type[joint])) not in ("hinge", "slide") or gear == 0:
         return None
     b0, b1, b2 = (float(b) for b in model.actuator_biasprm[k][:3]) if bias == "affine" else (0.0, 0.0, 0.0)
-    command = _command(model, k, ctrl)
-    limit = _limit(model, k, joint, gear)
-    if limit == 0:
-        return None
-    constant = b0 * gear
-    if b1 == b2 == 0:
-        constant += gain * command * gear
-        return Servo(limit=limit, feedforward=constant) if constant else Servo()
     if b1 > 0 or b2 > 0:
         return None
-    stiffness, damping = -b1 * gear * gear, -b2 * gear * gear
-    if b1 == 0:
-        return Servo(damping=damping, target_velocity=gain * command / (-b2 * gear), limit=limit, feedforward=constant)
-    target = gain * command / (-b1 * gear)
-    return Servo(stiffness=stiffness, damping=damping, target=target, limit=limit, feedforward=constant)
+    low, high = -math.inf, math.inf
+    if model.actuator_forcelimited[k]:
+        low, high = sorted(gear * float(bound) for bound in np.ravel(model.actuator_forcerange[k])[:2])
+    pull, constant = gain * _command(model, k, ctrl) * gear, b0 * gear
+    if b1 == b2 == 0:
+        pull, constant = 0.0, constant + pull
+    return _Law(-b1 * gear * gear, -b2 * gear * gear, pull, constant, low, high)
+
+
+def _servo(model: Model, joint: int, laws: Sequence[_Law]) -> Servo | None:
+    """The drive that the actuators of a joint are together; an empty one where they do nothing, None where it is none.
+
+    Laws without bounds add up, and so do constants within theirs; one bound holds for all together where it is the joint's.
+    Bounds that are not alike both ways, low and high, are those of a drive about their middle beside a constant push: with
+    m = (low + high)/2 and w = (high - low)/2, clip(f, low, high) = m + clip(f - m, -w, w).
+    """
+    whole = (-math.inf, math.inf)
+    if model.jnt_actfrclimited[joint]:
+        whole = tuple(float(bound) for bound in model.jnt_actfrcrange[joint])
+    if len(laws) > 1:
+        if any(law.bounded and law.gains for law in laws):
+            return None
+        fixed = sum(min(max(law.constant, law.low), law.high) for law in laws if not law.gains)
+        pulled = [law for law in laws if law.gains]
+        laws = [
+            _Law(
+                sum(law.stiffness for law in pulled),
+                sum(law.damping for law in pulled),
+                sum(law.pull for law in pulled),
+                fixed + sum(law.constant for law in pulled),
+            )
+        ]
+    (law,) = laws
+    low, high = max(law.low, whole[0]), min(law.high, whole[1])
+    if low > high or (low == high == 0):
+        return None
+    if not law.gains and min(max(law.constant, low), high) == 0:
+        return Servo()
+    middle, limit = 0.0, None
+    if math.isfinite(low) or math.isfinite(high):
+        if abs(low + high) > 1e-12 * abs(high):
+            middle = (low + high) / 2
+        limit = high - middle
+    if limit is not None and (not math.isfinite(limit) or limit <= 0):
+        return None
+    servo = Servo(stiffness=law.stiffness, damping=law.damping, limit=limit, feedforward=law.constant - middle, push=middle)
+    if law.stiffness > 0:
+        return replace(servo, target=law.pull / law.stiffness)
+    return replace(servo, target_velocity=law.pull / law.damping) if law.damping > 0 else servo
 
 
 def _command(model: Model, k: int, ctrl: Array) -> float:
@@ -87,15 +156,3 @@ def _command(model: Model, k: int, ctrl: Array) -> float:
         low, high = (float(x) for x in np.ravel(model.actuator_ctrlrange[k])[:2])
         command = min(max(command, low), high)
     return command
-
-
-def _limit(model: Model, k: int, joint: int, gear: float) -> float | None:
-    """The greatest force on the coordinate; None for no bound, 0 for bounds that are not alike both ways."""
-    bounds = []
-    if model.actuator_forcelimited[k]:
-        bounds.append(np.ravel(model.actuator_forcerange[k])[:2] * abs(gear))
-    if model.jnt_actfrclimited[joint]:
-        bounds.append(model.jnt_actfrcrange[joint])
-    if any(abs(low + high) > 1e-12 * abs(high) or high <= 0 for low, high in bounds):
-        return 0.0
-    return min((float(high) for _, high in bounds), default=None)

@@ -217,9 +217,9 @@ def _undropped(
     back = (dropped.kinds & _WORDED) - wordless_kinds(robot)
     if not back:
         return None, []
-    kept = frozenset(dropped.restored(back).texts)
+    remaining = frozenset(dropped.restored(back).texts)
     try:
-        return imported(robot, companion, replace(wishes, drop=kept, looks=False, tell=None), commands).scene, []
+        return imported(robot, companion, replace(wishes, drop=remaining, looks=False, tell=None), commands).scene, []
     except RobotError as error:
         kinds = listed(sorted(back))
         why = f"what that changes is not measured, since it cannot be read with them: {error}"

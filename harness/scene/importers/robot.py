@@ -61,9 +61,9 @@ class Look:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Servo:
-    """A drive: stiffness (target - x) + damping (target_velocity - x') + feedforward, cut off at limit.
+    """A drive: stiffness (target - x) + damping (target_velocity - x') + feedforward, cut off at limit, and a constant push.
 
-    Terms: motion: how its target moves.
+    Terms: motion: how its target moves. push [N m or N]: beside the drive, not cut off.
     """
 
     stiffness: float = 0.0
@@ -73,6 +73,7 @@ class Servo:
     limit: float | None = None
     motion: Motion | None = None
     feedforward: float = 0.0
+    push: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

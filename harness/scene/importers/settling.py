@@ -236,8 +236,10 @@ def _servo(c: Coordinate, wish: JointWish, companion: Companion, motion: Motion 
     general = (base.stiffness, base.damping) if drives is None else (drives.stiffness, drives.damping)
     stiffness = general[0] if wish.stiffness is None else wish.stiffness
     damping = general[1] if wish.damping is None else wish.damping
-    feedforward = base.feedforward if wish.feedforward is None else wish.feedforward
-    if stiffness == 0 and damping == 0 and feedforward == 0 and motion is None:
+    # Bounds that are not alike both ways are those about a push; a limit of the user's is alike.
+    push = base.push if wish.limit is None else 0.0
+    feedforward = (base.feedforward + base.push if wish.feedforward is None else wish.feedforward) - push
+    if stiffness == 0 and damping == 0 and feedforward == 0 and push == 0 and motion is None:
         return None
     target = wish.target if wish.target is not None else (base.target if c.servo is not None else c.position or 0.0)
     limit = wish.limit or base.limit or c.effort
@@ -249,6 +251,7 @@ def _servo(c: Coordinate, wish: JointWish, companion: Companion, motion: Motion 
         limit=limit,
         motion=motion or base.motion,
         feedforward=feedforward,
+        push=push,
     )
 
 

@@ -126,6 +126,7 @@ def _coordinate(c: Coordinate, L: float, M: float, slides: Container[str]) -> Co
             target_velocity=servo.target_velocity * own,
             limit=None if servo.limit is None else servo.limit * force,
             feedforward=servo.feedforward * force,
+            push=servo.push * force,
         )
     return replace(
         c,

@@ -179,6 +179,7 @@ ADAPTER = BulletAdapter(
         | Feature.MOVING_MESH
         | Feature.DISTANCE
         | Feature.SPEED_LIMIT
+        | Feature.TENDON
         | Feature.PAIR_FRICTION
         | Feature.STATIC_FRICTION
         | Feature.RAY_TRACING

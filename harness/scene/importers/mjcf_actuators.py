@@ -3,17 +3,19 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TypeAlias
+from typing import Literal, TypeAlias
 
 import numpy as np
 
 from plumbline.harness.scene.importers.fidelity import Fidelity
 from plumbline.harness.scene.importers.mjcf_model import Model
+from plumbline.harness.scene.importers.mjcf_tendons import has_more, is_fixed
 from plumbline.harness.scene.importers.poses import Array
 from plumbline.harness.scene.importers.robot import Need, Servo
 
 Servos: TypeAlias = dict[int, Servo]
-"""By the place of a joint in the compiled model."""
+"""By the place of a joint or tendon in the compiled model."""
+_Kind: TypeAlias = Literal["joint", "tendon"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,49 +43,64 @@ class _Law:
         return self.stiffness != 0 or self.damping != 0
 
 
-def read(model: Model, ctrl: Array) -> tuple[Servos, list[Fidelity], list[Need]]:
-    """The servos of joints at the commands `ctrl`, what became of the actuators, and those that a scene has no word for."""
+def read(model: Model, ctrl: Array) -> tuple[Servos, Servos, list[Fidelity], list[Need]]:
+    """The servos of joints and of fixed tendons at the commands `ctrl`, what became of the actuators, and those that a scene
+    has no word for."""
     if model.flag("actuation"):
         count = len(model.actuator_trntype)
         row = Fidelity(element="actuator", name="", count=count, outcome="exact", consequence="the file switches actuators off")
-        return {}, [row] if count else [], []
-    laws: dict[int, list[tuple[str, _Law]]] = {}
+        return {}, {}, [row] if count else [], []
+    laws: dict[tuple[_Kind, int], list[tuple[str, _Law]]] = {}
     strange: list[str] = []
     for k in range(len(model.actuator_trntype)):
-        law = _law(model, k, ctrl)
-        if law is None:
+        law, kind = _law(model, k, ctrl), _pulled(model, k)
+        if law is None or kind is None:
             strange.append(model.name("actuator", k))
         else:
-            laws.setdefault(int(model.actuator_trnid[k][0]), []).append((model.name("actuator", k), law))
-    servos: Servos = {}
-    idle, driven = [], []
-    for joint, acting in laws.items():
-        servo, names = _servo(model, joint, [law for _, law in acting]), [name for name, _ in acting]
-        if servo is None:
+            laws.setdefault((kind, int(model.actuator_trnid[k][0])), []).append((model.name("actuator", k), law))
+    servos: dict[_Kind, Servos] = {"joint": {}, "tendon": {}}
+    idle = list[str]()
+    driven: dict[_Kind, list[str]] = {"joint": [], "tendon": []}
+    for (kind, number), acting in laws.items():
+        array = "jnt" if kind == "joint" else "tendon"
+        whole = (-math.inf, math.inf)
+        if model.arrays[f"{array}_actfrclimited"][number]:
+            whole = tuple(float(bound) for bound in model.arrays[f"{array}_actfrcrange"][number])
+        servo, names = _servo([law for _, law in acting], whole), [name for name, _ in acting]
+        if servo is None or (kind == "tendon" and servo.push):
             strange += names
         elif servo == Servo():
             idle += names
         else:
-            driven += names
-            servos[joint] = servo
-    rows = Fidelity.exact("actuator", driven, "drive of its joint")
+            driven[kind] += names
+            servos[kind][number] = servo
+    rows = Fidelity.exact("actuator", driven["joint"], "drive of its joint")
+    rows += Fidelity.exact("actuator", driven["tendon"], "drive of its tendon")
     rows += Fidelity.left_out(
         "actuator",
         idle,
         "a motor without a command has no force; a keyframe's ctrl is one, and so is a joint's feedforward "
         "in the companion file",
     )
-    return servos, rows, [Need(kind="actuator", element="actuator", names=tuple(strange))] if strange else []
+    needs = [Need(kind="actuator", element="actuator", names=tuple(strange))] if strange else []
+    return servos["joint"], servos["tendon"], rows, needs
+
+
+def _pulled(model: Model, k: int) -> _Kind | None:
+    """What an actuator pulls at: a joint of one coordinate, or a fixed tendon that a scene has; None for anything else."""
+    word, number = model.word("Trn", int(model.actuator_trntype[k])), int(model.actuator_trnid[k][0])
+    if word in ("joint", "jointinparent") and model.word("Joint", int(model.jnt_type[number])) in ("hinge", "slide"):
+        return "joint"
+    return "tendon" if word == "tendon" and is_fixed(model, number) and not has_more(model, number) else None
 
 
 def _law(model: Model, k: int, ctrl: Array) -> _Law | None:
-    """The law of an actuator of one joint; None for another one.
+    """The law of an actuator whose force is affine in the length that it pulls at; None for another one.
 
     Its force is gain u + b_0 + b_1 l + b_2 l', with l = gear q: a torque of gear times that.
     """
     plain = (
-        model.word("Trn", int(model.actuator_trntype[k])) in ("joint", "jointinparent")
-        and model.word("Gain", int(model.actuator_gaintype[k])) == "fixed"
+        model.word("Gain", int(model.actuator_gaintype[k])) == "fixed"
         and model.word("Dyn", int(model.actuator_dyntype[k])) == "none"
         and not np.any(model.actuator_armature[k])
         and not np.any(model.actuator_damping[k])
@@ -92,8 +109,8 @@ def _law(model: Model, k: int, ctrl: Array) -> _Law | None:
     bias = model.word("Bias", int(model.actuator_biastype[k]))
     if not plain or bias not in ("none", "affine"):
         return None
-    joint, gear, gain = int(model.actuator_trnid[k][0]), float(model.actuator_gear[k][0]), float(model.actuator_gainprm[k][0])
-    if model.word("Joint", int(model.jnt_type[joint])) not in ("hinge", "slide") or gear == 0:
+    gear, gain = float(model.actuator_gear[k][0]), float(model.actuator_gainprm[k][0])
+    if gear == 0:
         return None
     b0, b1, b2 = (float(b) for b in model.actuator_biasprm[k][:3]) if bias == "affine" else (0.0, 0.0, 0.0)
     if b1 > 0 or b2 > 0:
@@ -107,16 +124,13 @@ def _law(model: Model, k: int, ctrl: Array) -> _Law | None:
     return _Law(-b1 * gear * gear, -b2 * gear * gear, pull, constant, low, high)
 
 
-def _servo(model: Model, joint: int, laws: Sequence[_Law]) -> Servo | None:
-    """The drive that the actuators of a joint are together; an empty one where they do nothing, None where it is none.
+def _servo(laws: Sequence[_Law], whole: tuple[float, ...]) -> Servo | None:
+    """The drive that the actuators of a length are together; an empty one where they do nothing, None where it is none.
 
-    Laws without bounds add up, and so do constants within theirs; one bound holds for all together where it is the joint's.
+    Laws without bounds add up, and so do constants within theirs; `whole` are the bounds of all together.
     Bounds that are not alike both ways, low and high, are those of a drive about their middle beside a constant push: with
     m = (low + high)/2 and w = (high - low)/2, clip(f, low, high) = m + clip(f - m, -w, w).
     """
-    whole = (-math.inf, math.inf)
-    if model.jnt_actfrclimited[joint]:
-        whole = tuple(float(bound) for bound in model.jnt_actfrcrange[joint])
     if len(laws) > 1:
         if any(law.bounded and law.gains for law in laws):
             return None

@@ -141,6 +141,9 @@ def imported(robot: Robot, companion: Companion, wishes: Wishes, commands: Mappi
     if companion.ellipsoids == "polyhedra":
         robot = as_polyhedra(robot)
     rows = [*robot.rows, *unknown, *suspected(robot, companion.units)]
+    if dropped.takes("tendon"):
+        rows += Fidelity.left_out("tendon", [cord.name for cord in robot.tendons], "tendon was dropped by the user")
+        robot = replace(robot, tendons=())
     if companion.units is not None:
         robot = scaled(robot, companion.units)
     if companion.base is not None and robot.gravity is not None:
@@ -205,7 +208,7 @@ def imported(robot: Robot, companion: Companion, wishes: Wishes, commands: Mappi
     )
 
 
-_WORDED: frozenset[Drop] = frozenset(("armature", "equality", "friction_loss", "mimic", "self_collision"))
+_WORDED: frozenset[Drop] = frozenset(("armature", "equality", "friction_loss", "mimic", "self_collision", "tendon"))
 """What may be dropped although a scene has words for it, as far as joints and ties have it."""
 
 
@@ -271,6 +274,7 @@ def _scene(robot: Robot, companion: Companion, made: _Made, surfaces: tuple[Surf
             bodies=coloured(made.tree.bodies, robot.links, links),
             sensors=sensors,
             joints=made.tree.joints,
+            tendons=made.tree.tendons or None,
             surfaces=surfaces,
             gravity=gravity,
             apart=_apart(made),

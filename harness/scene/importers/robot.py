@@ -169,6 +169,23 @@ class Closure:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Cord:
+    """A tendon: a length that is the sum of arm times coordinate, with the laws that a coordinate has.
+
+    Terms: arms: by the name of a coordinate. lower, upper: None is open. stiffness, damping, rest: of a passive spring.
+    """
+
+    name: str
+    arms: tuple[tuple[str, float], ...]
+    lower: float | None = None
+    upper: float | None = None
+    stiffness: float = 0.0
+    damping: float = 0.0
+    rest: float = 0.0
+    servo: Servo | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Contacts:
     """Who touches whom, by contact keys and by links.
 
@@ -217,6 +234,7 @@ class Robot:
     name: str
     links: tuple[Link, ...]
     closures: tuple[Closure, ...] = ()
+    tendons: tuple[Cord, ...] = ()
     root: Literal["fixed", "floating"] | None = None
     gravity: Vector3 | None = None
     contacts: Contacts | None = None

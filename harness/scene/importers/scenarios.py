@@ -50,7 +50,8 @@ def rooted_for(scenario: Scenario | None, robot: Robot, companion: Companion, wi
 
 def unpowered(robot: Robot) -> Robot:
     """Without drives."""
-    return _each(robot, lambda c: replace(c, servo=None))
+    slack = tuple(replace(cord, servo=None) for cord in robot.tendons)
+    return replace(_each(robot, lambda c: replace(c, servo=None)), tendons=slack)
 
 
 def _each(robot: Robot, change: Callable[[Coordinate], Coordinate]) -> Robot:

@@ -15,7 +15,7 @@ from plumbline.harness.scene.importers.materials import laws_of
 from plumbline.harness.scene.importers.merging import grouped
 from plumbline.harness.scene.importers.poses import IDENTITY, Array
 from plumbline.harness.scene.importers.reading import robot_of
-from plumbline.harness.scene.importers.robot import Coordinate, Geometry, Link, Robot
+from plumbline.harness.scene.importers.robot import Coordinate, Cord, Geometry, Link, Robot
 from plumbline.harness.scene.importers.settling import left_of
 from plumbline.harness.scene.importers.solids import moved
 from plumbline.harness.scene.importers.ties import lets_go
@@ -137,6 +137,8 @@ def _laws(robot: Robot, at: Posed, last: dict[str, str], dropped: Omissions) -> 
         if c.tie is not None and not lets_go(dropped, c)
     ]
     laws += [Law(kind=need.kind, name=name) for need in kept for name in need.names]
+    if not dropped.takes("tendon"):
+        laws += [Law(kind="tendon", name=_told(cord)) for cord in robot.tendons]
     for closure in robot.closures:
         if closure.kind == "spring":
             values = f"{closure.stiffness:g} N/m, {closure.damping:g} N s/m, rest {closure.rest:g} m"
@@ -155,6 +157,13 @@ def _laws(robot: Robot, at: Posed, last: dict[str, str], dropped: Omissions) -> 
             )
         )
     return tuple(laws)
+
+
+def _told(cord: Cord) -> str:
+    """A tendon by its name and numbers."""
+    length = " + ".join(f"{arm:g} {name}" for name, arm in cord.arms)
+    spring = f"{cord.stiffness:g} N/m, {cord.damping:g} N s/m, rest {cord.rest:g} m"
+    return f"{cord.name} of {length}, {spring}, from {cord.lower} to {cord.upper}"
 
 
 def _at_zero(link: Link) -> Link:

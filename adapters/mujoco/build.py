@@ -19,6 +19,7 @@ from plumbline.adapters.mujoco.simulation import MujocoSimulation
 from plumbline.adapters.mujoco.sparse_factor import may_err, sparse
 from plumbline.adapters.mujoco.start import check_start, start
 from plumbline.adapters.mujoco.surfaces import Law, contact_laws
+from plumbline.adapters.mujoco.tendons import add_tendon
 from plumbline.adapters.mujoco.trees import Link
 from plumbline.adapters.mujoco.uncompiled_model import Draft
 from plumbline.adapters.mujoco.vendor import flag
@@ -46,6 +47,8 @@ def build(mj: Any, scene: Scene, settings: Settings) -> MujocoSimulation:
             couple(plan, draft, joint.name, joint.coupling)
     if Effect.DRIVES in plan.effects:
         add_drives(plan, draft)
+    for tendon in (plan.scene.tendons or ()) if Effect.JOINTS in plan.effects else ():
+        add_tendon(plan, draft, tendon)
     if Effect.SENSING in plan.effects:
         add_inertial(plan, draft)
     try:

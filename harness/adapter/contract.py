@@ -111,6 +111,8 @@ class Feature(Flag):
     """Joint coordinates tied to each other linearly."""
     FEEDFORWARD = auto()
     """A constant torque or force in a drive's law, and so motors."""
+    TENDON = auto()
+    """Springs, drives and limits along linear combinations of joint coordinates."""
     PAIR_FRICTION = auto()
     """Friction per pair of materials, whatever the pairs."""
     STATIC_FRICTION = auto()

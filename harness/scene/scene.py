@@ -15,6 +15,7 @@ from plumbline.harness.scene.effect import Effect
 from plumbline.harness.scene.joint import WORLD, Joint, Prismatic, Revolute
 from plumbline.harness.scene.sensor import Sensor
 from plumbline.harness.scene.surface import Surface
+from plumbline.harness.scene.tendon import Tendon
 from plumbline.harness.scene.values import FROZEN, Name, Vector3
 
 EARTH_GRAVITY = (0.0, 0.0, -9.81)
@@ -59,7 +60,7 @@ class Scene:
 
     Terms:
         gravity [m/s2] in W. sun: the light that cameras see by. widen, narrow: effects switched on or off against what the
-        content says.
+        content says. tendons: along combinations of joints' coordinates; None: none.
         apart: pairs of materials whose bodies pass through each other (both may be the same), so that they need no surface.
     """
 
@@ -72,6 +73,7 @@ class Scene:
     widen: Annotated[Effect, _EFFECT_NAMES] = Effect.NONE
     narrow: Annotated[Effect, _EFFECT_NAMES] = Effect.NONE
     apart: tuple[tuple[Name, Name], ...] = ()
+    tendons: tuple[Tendon, ...] | None = None
 
     @field_validator("widen", "narrow", mode="before")
     @classmethod
@@ -126,6 +128,15 @@ class Scene:
                 raise ValueError(f"joint '{joint.name}': neither '{joint.parent}' nor '{joint.child}' can move")
         self._check_massless()
         self._check_couplings()
+        self._check_tendons()
+
+    def _check_tendons(self) -> None:
+        """Tendons have names of their own and pull at joints that have one coordinate."""
+        _unique("tendon", (tendon.name for tendon in self.tendons or ()))
+        scalar = {joint.name for joint in self.joints if isinstance(joint, Revolute | Prismatic)}
+        for tendon in self.tendons or ():
+            if lacking := next((arm.joint for arm in tendon.arms if arm.joint not in scalar), None):
+                raise ValueError(f"tendon '{tendon.name}': '{lacking}' is no joint with one coordinate")
 
     def _check_massless(self) -> None:
         """A body without mass stands between two joints with one coordinate, and none of the axes before the next body with
@@ -246,7 +257,7 @@ class Scene:
                     called |= effect
         if self.joints:
             called |= Effect.JOINTS
-        if any(getattr(j, "drive", None) is not None for j in self.joints):
+        if any(getattr(j, "drive", None) is not None for j in (*self.joints, *(self.tendons or ()))):
             called |= Effect.DRIVES
         if any(b.linear_damping > 0 for b in movable):
             called |= Effect.LINEAR_DAMPING

@@ -16,11 +16,14 @@ from plumbline.harness.scene import (
     Fixed,
     Joint,
     Limits,
+    MomentArm,
     PlacedShape,
     Plane,
     Prismatic,
     Revolute,
+    Samples,
     Spring,
+    Tendon,
 )
 from plumbline.harness.scene.importers.companion import Companion, Massless
 from plumbline.harness.scene.importers.consequences import Chain, Massive
@@ -28,18 +31,19 @@ from plumbline.harness.scene.importers.kinematics import Line, Posed
 from plumbline.harness.scene.importers.materials import Laws
 from plumbline.harness.scene.importers.merging import Group, check_inertia
 from plumbline.harness.scene.importers.poses import Array, Pose, pose, quaternion, vector
-from plumbline.harness.scene.importers.robot import Closure, Coordinate, Geometry, Robot, symmetric
+from plumbline.harness.scene.importers.robot import Closure, Coordinate, Cord, Geometry, Robot, symmetric
 from plumbline.harness.scene.importers.stand_ins import StandIns, stand_ins
 from plumbline.harness.scene.importers.ties import coupled
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Tree:
-    """Terms: bodies, joints: of the scene. massive: what moves, for the mass matrix. body: by lead, the body's name, WORLD for
-    what is fixed and has no shape."""
+    """Terms: bodies, joints, tendons: of the scene. massive: what moves, for the mass matrix. body: by lead, the body's name,
+    WORLD for what is fixed and has no shape."""
 
     bodies: tuple[Body, ...]
     joints: tuple[Joint, ...]
+    tendons: tuple[Tendon, ...]
     massive: tuple[Massive, ...]
     body: Mapping[str, str]
 
@@ -107,7 +111,8 @@ def tree_of(robot: Robot, groups: Mapping[str, Group], at: Posed, laws: Laws, co
     joints += [_closure(closure, robot, at, owner, held, joint_names) for closure in robot.closures]
     if companion.ground is not None:
         bodies.append(_ground(companion, body_names))
-    return Tree(tuple(bodies), tuple(joints), tuple(massive), held)
+    tendons = tuple(_tendon(cord, called) for cord in robot.tendons)
+    return Tree(tuple(bodies), tuple(joints), tendons, tuple(massive), held)
 
 
 def _ground(companion: Companion, names: _Names) -> Body:
@@ -248,23 +253,39 @@ def _joint(line: Line, parent: str, child: str, names: _Names, robot: Robot) -> 
         anchor_W=anchor,
         axis_W=vector(line.axis_W),
         position=c.reference if c.position is None else c.position,
-        limits=None if c.lower is None and c.upper is None else Limits(lower=c.lower, upper=c.upper),
+        limits=_limits(c),
         spring=_spring(c),
         drive=_drive(c),
-        armature=None if "armature" in robot.dropped else c.armature or None,
-        friction_loss=None if "friction_loss" in robot.dropped else c.friction_loss or None,
+        effort=Samples(time=(0.0,), target=(c.servo.push,)) if c.servo is not None and c.servo.push else None,
+        armature=None if robot.dropped.takes("armature", c.name) else c.armature or None,
+        friction_loss=None if robot.dropped.takes("friction_loss", c.name) else c.friction_loss or None,
         speed_limit=c.speed if robot.speed_limits else None,
         collide=robot.collide,
     )
 
 
-def _spring(c: Coordinate) -> Spring | None:
+def _tendon(cord: Cord, called: Mapping[str, str]) -> Tendon:
+    """Args: called: the joint of each coordinate, by their names."""
+    return Tendon(
+        name=cord.name,
+        arms=tuple(MomentArm(joint=called[name], arm=arm) for name, arm in cord.arms),
+        limits=_limits(cord),
+        spring=_spring(cord),
+        drive=_drive(cord),
+    )
+
+
+def _limits(c: Coordinate | Cord) -> Limits | None:
+    return None if c.lower is None and c.upper is None else Limits(lower=c.lower, upper=c.upper)
+
+
+def _spring(c: Coordinate | Cord) -> Spring | None:
     if c.stiffness == 0 and c.damping == 0:
         return None
     return Spring(stiffness=c.stiffness, damping=c.damping, rest=c.rest if c.stiffness else 0.0)
 
 
-def _drive(c: Coordinate) -> Drive | None:
+def _drive(c: Coordinate | Cord) -> Drive | None:
     s = c.servo
     if s is None:
         return None

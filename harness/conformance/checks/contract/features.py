@@ -30,6 +30,7 @@ from plumbline.harness.scene import (
     Fixed,
     Joint,
     Limits,
+    MomentArm,
     PlacedShape,
     Plane,
     Prescribed,
@@ -42,6 +43,7 @@ from plumbline.harness.scene import (
     Sphere,
     Spring,
     Surface,
+    Tendon,
     TriangleMesh,
     Vector3,
 )
@@ -241,6 +243,7 @@ _SCENES: Mapping[Feature, Callable[[], Scene]] = {
         ),
     ),
     Feature.FEEDFORWARD: lambda: _slide(drive=Drive(feedforward=1.0)),
+    Feature.TENDON: lambda: replace(_slide(), tendons=(Tendon(name="t", arms=(MomentArm(joint="j", arm=2.0),)),)),
     Feature.PAIR_FRICTION: _no_rule,
     Feature.STATIC_FRICTION: lambda: _surface(Surface(between=_TOUCHING, static_friction=0.6, kinetic_friction=0.4)),
     Feature.ROLLING_FRICTION: lambda: _surface(

@@ -29,7 +29,7 @@ def in_this_process(patch: pytest.MonkeyPatch, cases: Mapping[str, Case] | None 
     Args: cases: those that are not as they are found by their names.
     """
 
-    def answers(trials: Sequence[Trial], folder: Path, _workers: int) -> Iterator[Record]:
+    def answers(trials: Sequence[Trial], folder: Path, _workers: int, **_known: object) -> Iterator[Record]:
         for trial in trials:
             answer = endure if trial.members > 1 else run_trial
             case = (cases or {}).get(trial.case) or plugins.case(trial.case)

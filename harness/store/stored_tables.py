@@ -24,8 +24,9 @@ if TYPE_CHECKING:
 JSON_COLUMNS = ("parameters", "settings", "resolved", "warnings", "alteration", "sources")
 BESIDE = ("base", "idle", "notices")
 """What the file of the trials holds beside the columns that people are shown; `idle` and `notices` as JSON."""
+_NOT_IN_TABLES = ("broke", "measurements", "samples")
 COLUMNS = {
-    "trials": tuple(f.name for f in dataclasses.fields(Record) if f.name not in {*BESIDE, "measurements", "samples"}),
+    "trials": tuple(f.name for f in dataclasses.fields(Record) if f.name not in {*BESIDE, *_NOT_IN_TABLES}),
     "measurements": ("trial", *(f.name for f in dataclasses.fields(Measurement))),
     "samples": ("trial", *(f.name for f in dataclasses.fields(Sample))),
 }

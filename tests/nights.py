@@ -26,7 +26,7 @@ from plumbline.harness.study.experiment import Experiment
 from plumbline.harness.study.study import Study
 from plumbline.harness.study.trial import Trial
 from plumbline.harness.trajectory import Floats
-from plumbline.harness.trial import accuracy, ensemble
+from plumbline.harness.trial import accuracy, answer, ensemble
 from plumbline.harness.trial.accuracy import run_trial
 from plumbline.harness.trial.answer import Answer
 from plumbline.harness.trial.ensemble import endure
@@ -122,7 +122,7 @@ _KNOWN: dict[str, Answer] = {}
 
 def _remembered(fault: Fault) -> Callable[[Trial, Problem, Any], Answer]:
     """As `answer_of`, which is asked once in a process for the same: nights step the same scenes again and again."""
-    plain = accuracy.answer_of
+    plain = answer.answer_of
 
     def answer_of(trial: Trial, problem: Problem, adapter: Any) -> Answer:
         own = (fault.scene, fault.state) if trial.engine == fault.engine else ()

@@ -155,6 +155,9 @@ def write_tables(folder: Path, records: Iterable[Record]) -> dict[str, str]:
 def read_tables(folder: Path) -> dict[str, pd.DataFrame]:
     """The tables by name, which another program may have written: looked at, then read. Raises: StoreError."""
     tables = {name: _table(folder / f"{name}.parquet", needed) for name, needed in _NEEDED.items()}
+    for column in _LATER:
+        if column not in tables["trials"]:
+            tables["trials"][column] = ""
     for column in (column for column in JSON_COLUMNS if column in tables["trials"]):
         for text in dict.fromkeys(tables["trials"][column]):
             try:
@@ -166,7 +169,13 @@ def read_tables(folder: Path) -> dict[str, pd.DataFrame]:
     return tables
 
 
-_NEEDED = {"trials": COLUMNS["trials"], "measurements": ("trial", "metric", "value"), "samples": ("trial",)}
+_LATER = ("motion", "simulated_as")
+"""Columns of the trials that older versions did not write, all of words: empty then."""
+_NEEDED = {
+    "trials": tuple(name for name in COLUMNS["trials"] if name not in _LATER),
+    "measurements": ("trial", "metric", "value"),
+    "samples": ("trial",),
+}
 
 
 def _table(path: Path, columns: Sequence[str]) -> pd.DataFrame:

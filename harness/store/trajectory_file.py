@@ -59,8 +59,6 @@ def read_trajectory(folder: Path, name: str, scene: Scene) -> Trajectory | None:
     answer than its name says, or the answer to another scene."""
     try:
         arrays = read_arrays(folder / "trajectories" / f"{name}.npz")
-        if kept_hash(arrays) != name or str(arrays["scene"]) != dump_json(scene):
-            return None
         actual = _trajectory(arrays, float(arrays["dt"]))
         return actual if trajectory_hash(scene, actual) == name else None
     except (Damaged, OSError, KeyError, ValueError):

@@ -17,13 +17,6 @@ _STEPPING = ("plumbline.harness.trial.answer", "plumbline.harness.case.alteratio
 """From problem to answer: what they import steps, samples and alters."""
 _ANSWERING = ("plumbline.harness.trial.accuracy", "plumbline.harness.trial.ensemble", *_STEPPING)
 """From scene to record: what they import steps or measures."""
-_WORDS = {
-    "adapter": "the adapter's source",
-    "stepping": "the harness that steps",
-    "case": "the case's source",
-    "harness": "the harness that measures",
-    "truth": "the engine that makes the truth",
-}
 
 
 @cache
@@ -143,5 +136,5 @@ def what_changed(case: str, engine: str, was: Mapping[str, str], files: Mapping[
         today = sources.file_digests(_files_of_origin(origin, case, engine))
         names = [name for name, digest in today.items() if files.get(name) != digest]
         shown = f"{', '.join(names[:3])}{f' and {len(names) - 3} more' if len(names) > 3 else ''}" or "what it imports"
-        changes.append(f"{_WORDS.get(origin, origin)} changed: {shown}")
+        changes.append(f"{sources.ORIGINS.get(origin, origin)} changed: {shown}")
     return "; ".join(changes)

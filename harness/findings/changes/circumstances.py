@@ -35,7 +35,7 @@ def source_changes(pairs: Sequence[Pair]) -> Iterator[Change]:
     for pair in pairs:
         then, now = (json.loads(getattr(row, "sources", "{}")) for row in (pair.a, pair.b))
         for origin in (*now, *(name for name in then if name not in now)):
-            if then.get(origin) != now.get(origin):
+            if origin != "acting" and then.get(origin) != now.get(origin):
                 engine = pair.b.engine if origin == "adapter" else ""
                 case = pair.b.case if origin == "case" else ""
                 counts[origin, engine, case, str(then.get(origin, "")), str(now.get(origin, ""))] += 1

@@ -22,8 +22,8 @@ _KEEPING = tuple(f"{_OURS}.{room}" for room in ("harness.store", "harness.study"
 """What finds, plans, stores and shows, and decides no answer; what of it enters one is in a trial's name by value."""
 _LIBRARIES = ("numpy", "scipy", "numba")
 MOVING = ("adapter", "stepping", "acting", "libraries")
-"""The sources of an answer that move the run; all others only judge it. 'acting' is that of a case whose code runs while an engine
-steps."""
+"""The sources of an answer that move the run; all others only judge it. 'acting' is that of a case whose code runs while an
+engine steps."""
 ORIGINS = {
     "adapter": "the adapter's source",
     "stepping": "the harness that steps",

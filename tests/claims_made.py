@@ -72,12 +72,15 @@ def sentences(page: Path) -> Iterator[str]:
     """The sentences of a page of text, and the rows of its tables."""
     text = re.sub(r"```(?s:.*?)```|^#.*$", "", page.read_text(encoding="utf-8"), flags=re.MULTILINE)
     for paragraph in re.split(r"\n\s*\n|\n(?=\s*(?:\*|\||\d+\.) )", text):
-        yield from re.split(r"(?<=[.;])\s+(?=[A-Z`*\[])", " ".join(paragraph.split()))
+        if paragraph.lstrip().startswith("|"):
+            yield " ".join(paragraph.split())
+        else:
+            yield from re.split(r"(?<=[.;])\s+(?=[A-Z`*\[])", " ".join(paragraph.split()))
 
 
 def written() -> Iterator[str]:
     """What pages say against an engine, but for the tables of the page on fairness, whose rows are answers."""
-    pages = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", ROOT / "examples" / "README.md", *sorted(ROOT.glob("docs/**/*.md"))]
+    pages = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", ROOT / "examples" / "README.md", *sorted(ROOT.glob("docs/*.md"))]
     for page in pages:
         for sentence in sentences(page):
             if page == PAGE and sentence.startswith("|"):
@@ -93,6 +96,7 @@ def told() -> Iterator[str]:
             continue
         tree = ast.parse(path.read_text(encoding="utf-8"))
         loose = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Expr)}
+        loose |= {id(part) for node in ast.walk(tree) if isinstance(node, ast.JoinedStr) for part in node.values}
         for node in ast.walk(tree):
             text = _words(node) if isinstance(node, ast.Constant | ast.JoinedStr) and id(node) not in loose else ""
             if NAMED.search(text) and AGAINST.search(text):

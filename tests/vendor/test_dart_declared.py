@@ -11,9 +11,6 @@ from tests.vendor.dart_world import G, UP, dartpy, make_ground, make_mover, make
 
 pytestmark = pytest.mark.dart
 
-ROUND_THREE = 1e-3
-"""DART_FRICTION_COEFF_THRESHOLD."""
-
 
 def pendulum(skeleton: Any, name: str, mass: float, arm: float) -> Any:
     """A hinge along y in the world, and a rod that starts level; 0.1 kg m2 about its centre."""
@@ -106,38 +103,6 @@ def test_a_servo_takes_no_force_beside(limit: float) -> None:
         joint.setForce(0, 3.0)
         world.step()
     assert joint.getVelocity(0) == 0.0
-
-
-def farthest(detector: str) -> float | None:
-    """How far [m] rays to the centre of an ellipsoid of 0.1, 0.2 and 0.3 m end from it; None where there are no rays."""
-    world = make_world(detector, 1e-3)
-    make_ground(world, dartpy.dynamics.EllipsoidShape((0.2, 0.4, 0.6)), make_pose(UP, 0.0))
-    group = world.getCollisionDetector().createCollisionGroup()
-    group.addShapeFramesOf(world.getSkeleton(0).getBodyNode(0))
-    off = []
-    for way in np.random.default_rng(1).normal(size=(50, 3)):
-        way /= np.linalg.norm(way)
-        result = dartpy.collision.RaycastResult()
-        group.raycast(5 * way, np.zeros(3), dartpy.collision.RaycastOption(), result)
-        if result.mRayHits:
-            surface = 1 / math.sqrt(float(np.square(way / (0.1, 0.2, 0.3)).sum()))
-            off.append(abs(float(np.linalg.norm(result.mRayHits[0].mPoint)) - surface))
-    return max(off) if off else None
-
-
-def test_rays_meet_an_ellipsoid_millimetres_off_and_under_two_detectors_alone() -> None:
-    assert farthest("dart") == pytest.approx(4.6e-3, rel=0.05)
-    assert farthest("bullet") == pytest.approx(22.1e-3, rel=0.05)
-    assert farthest("fcl") is farthest("ode") is None
-
-
-def test_the_bound_of_a_thousand_contacts_is_read_and_not_told() -> None:
-    """`getCollisionOption` hands out a copy, and there is no way to give one back."""
-    solver = make_world("ode", 1e-3).getConstraintSolver()
-    option = solver.getCollisionOption()
-    option.maxNumContacts = 100_000
-    assert solver.getCollisionOption().maxNumContacts == 1000
-    assert not hasattr(solver, "setCollisionOption")
 
 
 ROOMS = ("constraint", "dynamics", "collision", "simulation", "utils")

@@ -1,0 +1,88 @@
+"""A scene becomes a model of Newton and a solver: everything in its order."""
+
+from typing import Any
+
+from plumbline.adapters.newton.bodies import Bodies
+from plumbline.adapters.newton.joints import Joints
+from plumbline.adapters.newton.options import resolved_settings
+from plumbline.adapters.newton.simulation import NewtonSimulation, World
+from plumbline.adapters.newton.surfaces import numbers_of, rebounds
+from plumbline.adapters.newton.vendor import Vendor, mujoco_solver
+from plumbline.harness.adapter import Notice, Settings
+from plumbline.harness.adapter.distance_springs import DistanceSprings
+from plumbline.harness.scene import Effect, Scene
+
+VENDOR_TIME_CONSTANT = 0.02
+"""Of MuJoCo's contacts [s]."""
+_SOFT = (2.5e3, 100.0)
+"""Newton's ke and kd of shapes, which are a time constant of .02 s and a damping ratio of 1."""
+
+
+def build(vendor: Vendor, scene: Scene, settings: Settings) -> NewtonSimulation:
+    """Exactly this scene under these settings. Raises: Unsupported, SettingsError."""
+    effects = scene.effects
+    used = resolved_settings(settings, "xpbd" if rebounds(scene) else "mujoco")
+    solver = str(used.solver)
+    builder = vendor.newton.ModelBuilder(gravity=scene.gravity if Effect.GRAVITY in effects else (0.0, 0.0, 0.0))
+    builder.balance_inertia = False
+    bodies = Bodies(vendor, builder, scene, numbers_of(scene, solver), _softness(used))
+    bodies.put()
+    joints = Joints(bodies, solver, _stops(used))
+    joints.put()
+    bodies.keep_apart()
+    model = builder.finalize(device="cpu")
+    world = World(vendor, model, _solver(vendor, model, used, effects), bodies.links, bodies.owners, joints.driven)
+    if Effect.CONTACT in effects and solver == "xpbd":
+        world.pipeline = vendor.newton.CollisionPipeline(model)
+    if Effect.JOINTS in effects:
+        world.springs = DistanceSprings.of(scene, scene.joints, used.substep)
+    _notice(world, scene, effects)
+    return NewtonSimulation(scene, used, world)
+
+
+def _softness(used: Settings) -> tuple[float, float]:
+    """(ke, kd) of contacts: of MuJoCo's time constant t and damping ratio z Newton makes kd = 2/t and ke = 1/(t z)^2."""
+    steps = used.options.get("contact_steps")
+    if steps is None:
+        return _SOFT
+    t = max(2.0 * used.substep, min(steps * used.substep, VENDOR_TIME_CONSTANT))
+    return 1.0 / (t * used.options["contact_damping_ratio"]) ** 2, 2.0 / t
+
+
+def _stops(used: Settings) -> tuple[float, float] | None:
+    """(ke, kd) of limits; None for Newton's own."""
+    return None if used.options.get("limit_steps") is None else (1e6, 1e3)
+
+
+def _solver(vendor: Vendor, model: Any, used: Settings, effects: Effect) -> Any:
+    options = used.options
+    if used.solver == "xpbd":
+        return vendor.newton.solvers.SolverXPBD(
+            model,
+            iterations=used.iterations,
+            rigid_contact_relaxation=options["contact_relaxation"],
+            rigid_contact_con_weighting=options["contact_weighting"],
+            rigid_contact_restitution_iterations=options["restitution_iterations"],
+            enable_restitution=Effect.RESTITUTION in effects,
+        )
+    return mujoco_solver(
+        vendor.newton,
+        model,
+        iterations=used.iterations,
+        integrator=used.integrator,
+        cone=options["cone"],
+        impratio=options["impratio"],
+        disable_contacts=Effect.CONTACT not in effects,
+        kinematic_switchable_roots=False,
+    )
+
+
+def _notice(world: World, scene: Scene, effects: Effect) -> None:
+    """Name what is computed although the scene does not call for it, and what is not although it does."""
+    movable = [body for body in scene.bodies if body.movable]
+    if Effect.CONTINUOUS_COLLISION in effects:
+        text = "continuous collision: Newton's solvers have none"
+        world.notices.append(Notice(text, "missing", Effect.CONTINUOUS_COLLISION))
+    uneven = any(body.inertia[0][0] != body.inertia[1][1] or body.inertia[1][1] != body.inertia[2][2] for body in movable)
+    if Effect.GYROSCOPIC not in effects and uneven:
+        world.notices.append(Notice("gyroscopic terms, for which Newton offers no switch", "surplus", Effect.GYROSCOPIC))

@@ -11,7 +11,7 @@ from plumbline.adapters.newton.options import SOLVERS
 from plumbline.adapters.newton.vendor import load
 from plumbline.harness.adapter import Adapter, Emulation, Extra, Feature, Settings, Simulation
 from plumbline.harness.adapter.mass_points import POINTS_AS_BODIES, built_with_points
-from plumbline.harness.scene import Effect, Scene
+from plumbline.harness.scene import Scene
 
 __all__ = ["ADAPTER"]
 
@@ -24,6 +24,12 @@ class NewtonAdapter(Adapter):
         """The installed version of newton. Raises: Unavailable."""
         load()
         return importlib.metadata.version("newton")
+
+    def compile(self, scene: Scene, settings: Settings) -> None:
+        """The kernels of this scene. Raises: as `build`."""
+        simulation = self.build(scene, settings)
+        simulation.step(2)
+        simulation.close()
 
     def build(self, scene: Scene, settings: Settings) -> Simulation:
         """Exactly this scene under these settings. Raises: Unsupported, Unavailable, SettingsError."""
@@ -65,6 +71,8 @@ ADAPTER = NewtonAdapter(
         | Feature.FRICTION_LOSS
         | Feature.FEEDFORWARD
         | Feature.RESTITUTION
+        | Feature.LINEAR_DAMPING
+        | Feature.ANGULAR_DAMPING
         | Feature.CONTACTS
         | Feature.CONTACT_FORCES
         | Feature.RAYS
@@ -75,12 +83,19 @@ ADAPTER = NewtonAdapter(
     tracks={
         "default": Settings(source="newton 1.8.0 as it comes"),
         "tuned": Settings(
-            options={"cone": "elliptic", "impratio": 10.0, "contact_steps": 20.0, "contact_damping_ratio": 1.2},
+            options={
+                "cone": "elliptic",
+                "impratio": 10.0,
+                "contact_steps": 20.0,
+                "contact_damping_ratio": 1.2,
+                "limit_steps": 2.0,
+            },
             source="",
         ),
     },
     knobs={"solver": SOLVERS, "substeps": (1, 2, 4, 8)},
     loads=("newton",),
+    compile_allowance=900.0,
     orders={"implicitfast": 1, "euler": 1, "rk4": 4, "semi_implicit_euler": 1},
     emulated=(Emulation(feature=Feature.MASS_POINT, how=POINTS_AS_BODIES),),
 )

@@ -14,6 +14,10 @@ from plumbline.harness.scene import Effect, Scene
 
 VENDOR_TIME_CONSTANT = 0.02
 """Of MuJoCo's contacts [s]."""
+LIMIT_DAMPING_RATIO, LIMIT_IMPEDANCE = 1.7, 0.999
+"""Of joint limits, as `adapters.mujoco` measured them to rebound least."""
+RAW = 1
+"""Newton's word for a softness that is told in MuJoCo's own numbers."""
 _SOFT = (2.5e3, 100.0)
 """Newton's ke and kd of shapes, which are a time constant of .02 s and a damping ratio of 1."""
 
@@ -25,13 +29,16 @@ def build(vendor: Vendor, scene: Scene, settings: Settings) -> NewtonSimulation:
     solver = str(used.solver)
     builder = vendor.newton.ModelBuilder(gravity=scene.gravity if Effect.GRAVITY in effects else (0.0, 0.0, 0.0))
     builder.balance_inertia = False
+    if used.options.get("limit_steps") is not None:
+        vendor.newton.solvers.SolverMuJoCo.register_custom_attributes(builder)
     bodies = Bodies(vendor, builder, scene, numbers_of(scene, solver), _softness(used))
     bodies.put()
-    joints = Joints(bodies, solver, _stops(used))
+    joints = Joints(bodies, solver, _held(used))
     joints.put()
     bodies.keep_apart()
     model = builder.finalize(device="cpu")
-    world = World(vendor, model, _solver(vendor, model, used, effects), bodies.links, bodies.owners, joints.driven)
+    moving = _solver(vendor, model, used, effects) if model.body_count else None
+    world = World(vendor, model, moving, bodies.links, bodies.owners, joints.driven)
     if Effect.CONTACT in effects and solver == "xpbd":
         world.pipeline = vendor.newton.CollisionPipeline(model)
     if Effect.JOINTS in effects:
@@ -49,9 +56,19 @@ def _softness(used: Settings) -> tuple[float, float]:
     return 1.0 / (t * used.options["contact_damping_ratio"]) ** 2, 2.0 / t
 
 
-def _stops(used: Settings) -> tuple[float, float] | None:
-    """(ke, kd) of limits; None for Newton's own."""
-    return None if used.options.get("limit_steps") is None else (1e6, 1e3)
+def _held(used: Settings) -> dict[str, Any]:
+    """How stiffly limits and dry friction hold a coordinate, by MuJoCo's attributes; nothing for Newton's own."""
+    steps = used.options.get("limit_steps")
+    if steps is None:
+        return {}
+    t, stiff = min(steps * used.substep, VENDOR_TIME_CONSTANT), (LIMIT_IMPEDANCE, LIMIT_IMPEDANCE, 0.001, 0.5, 2.0)
+    return {
+        "mujoco:solreflimit": (t, LIMIT_DAMPING_RATIO),
+        "mujoco:solreflimit_mode": RAW,
+        "mujoco:solimplimit": stiff,
+        "mujoco:solreffriction": (t, 1.0),
+        "mujoco:solimpfriction": stiff,
+    }
 
 
 def _solver(vendor: Vendor, model: Any, used: Settings, effects: Effect) -> Any:

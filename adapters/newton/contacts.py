@@ -78,9 +78,7 @@ def _contacts(
     if not told.any():
         return Contacts.none()
     place = np.asarray(owners)
-    return Contacts.of(
-        place[first[told]], place[second[told]], (0.5 * (p + q))[told], normal[told], gap[told], force[told]
-    )
+    return Contacts.of(place[first[told]], place[second[told]], (0.5 * (p + q))[told], normal[told], gap[told], force[told])
 
 
 def _turn(q: Floats, vector: Floats) -> Floats:

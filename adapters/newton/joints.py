@@ -1,9 +1,11 @@
 """Joints: trees in the coordinates of Newton, and what closes loops beside them."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 from plumbline.adapters.newton.bodies import WORLD_BODY, Bodies, within
+from plumbline.adapters.newton.damping import check_solver, dampen_free, damping_along
 from plumbline.harness.adapter import Unsupported
 from plumbline.harness.adapter.carried_laws import carried, refuse_speed_limit
 from plumbline.harness.adapter.distance_springs import is_distance_spring
@@ -49,11 +51,14 @@ def aim_of(drive: Drive, target: float, start: float) -> Aim:
 
 @dataclass(slots=True)
 class Joints:
-    """Puts joints into a model that is being made. Terms: stops: (ke, kd) of limits. solver: which will step the model."""
+    """Puts joints into a model that is being made.
+
+    Terms: softness: of limits and dry friction, by MuJoCo's attributes of a coordinate. solver: which will step the model.
+    """
 
     bodies: Bodies
     solver: str
-    stops: tuple[float, float] | None
+    softness: Mapping[str, Any]
     driven: dict[str, Driven] = field(default_factory=dict)
     numbers: dict[str, int] = field(default_factory=dict)
 
@@ -62,6 +67,7 @@ class Joints:
         scene = self.bodies.scene
         joints = [j for j in scene.joints if not is_distance_spring(j)] if Effect.JOINTS in scene.effects else []
         ground = [WORLD, *(body.name for body in scene.bodies if not body.movable)]
+        check_solver(self.bodies, self.solver)
         for joint in joints:
             self._check(scene, joint)
         forest = spanning_forest(joints, lambda j: (j.parent, j.child), ground)
@@ -72,6 +78,7 @@ class Joints:
             chain = []
             if self.bodies.links[root] != WORLD_BODY:
                 chain.append(self.bodies.builder.add_joint_free(self.bodies.links[root], collision_filter_parent=False))
+                dampen_free(self.bodies, self.bodies.scene.body(root), chain[0])
                 placed.add(root)
             for branch in forest.depth_first(root):
                 if branch.above == root and self.bodies.links[root] == WORLD_BODY and chain:
@@ -92,6 +99,11 @@ class Joints:
             raise Unsupported(f"joint '{joint.name}'", "MuJoCo-Warp lets no body touch the one that it hangs on")
         if isinstance(joint, Distance):
             raise Unsupported(f"joint '{joint.name}'", "Newton's solver over MuJoCo-Warp has no distance joint")
+        if self.solver == "xpbd" and (laws := [law for law in carried(joint) if law != "limits"]):
+            raise Unsupported(
+                f"joint '{joint.name}': {laws[0]}",
+                "XPBD, which alone of Newton's solvers here lets bodies rebound, makes the law anew in each iteration",
+            )
         if isinstance(joint, Revolute | Prismatic):
             refuse_speed_limit(joint, "Newton's solvers bound no joint's rate")
             if joint.coupling is not None:
@@ -111,15 +123,16 @@ class Joints:
         """A joint of a tree, towards the body `node`."""
         parent, child, X_P, X_C = self._frames(joint, node)
         builder, held = self.bodies.builder, {"parent_xform": X_P, "child_xform": X_C, "collision_filter_parent": False}
+        damping = damping_along(self.bodies, joint, node)
         match joint:
             case Fixed():
                 number = builder.add_joint_fixed(parent, child, **held)
             case Ball():
                 number = builder.add_joint_ball(parent, child, **held)
             case Revolute():
-                number = builder.add_joint_revolute(parent, child, axis=(1.0, 0.0, 0.0), **held, **self._laws(joint))
+                number = builder.add_joint_revolute(parent, child, axis=(1.0, 0.0, 0.0), **held, **self._laws(joint, damping))
             case Prismatic():
-                number = builder.add_joint_prismatic(parent, child, axis=(1.0, 0.0, 0.0), **held, **self._laws(joint))
+                number = builder.add_joint_prismatic(parent, child, axis=(1.0, 0.0, 0.0), **held, **self._laws(joint, damping))
             case _:
                 raise AssertionError(f"{joint.type} passed the door")
         self.numbers[joint.name] = int(number)
@@ -127,17 +140,18 @@ class Joints:
             self.driven[joint.name] = Driven(int(number), joint.drive, joint.position)
         return int(number)
 
-    def _laws(self, joint: Revolute | Prismatic) -> dict[str, Any]:
-        """Limits, spring, drive, rotor and dry friction of a coordinate."""
+    def _laws(self, joint: Revolute | Prismatic, damping: float) -> dict[str, Any]:
+        """Limits, spring, drive, rotor and dry friction of a coordinate. Args: damping: of the body that hangs on it."""
         modes, told = self.bodies.vendor.newton.JointTargetMode, dict[str, Any]()
         told["armature"], told["friction"] = joint.armature or 0.0, joint.friction_loss or 0.0
         low, high = (None, None) if joint.limits is None else (joint.limits.lower, joint.limits.upper)
         told["limit_lower"] = -UNBOUNDED if low is None else low - joint.position
         told["limit_upper"] = UNBOUNDED if high is None else high - joint.position
-        if self.stops is not None:
-            told["limit_ke"], told["limit_kd"] = self.stops
+        if self.softness:
+            told["custom_attributes"] = self.softness
+        told["damping"] = damping
         if joint.spring is not None:
-            told["stiffness"], told["damping"] = joint.spring.stiffness, joint.spring.damping
+            told["stiffness"], told["damping"] = joint.spring.stiffness, joint.spring.damping + damping
             told["rest_q"] = joint.spring.rest - joint.position
         told["actuator_mode"], told["effort_limit"] = modes.NONE, UNBOUNDED
         if joint.drive is not None and Effect.DRIVES in self.bodies.scene.effects:
@@ -171,5 +185,3 @@ class Joints:
                 builder.add_joint_ball(parent, child, **held)
             case Revolute():
                 builder.add_joint_revolute(parent, child, axis=(1.0, 0.0, 0.0), **held)
-
-

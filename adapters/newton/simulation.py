@@ -9,11 +9,12 @@ import numpy as np
 from plumbline.adapters.newton import contacts as touching
 from plumbline.adapters.newton import rays
 from plumbline.adapters.newton.joints import Aim, Driven
+from plumbline.adapters.newton.led import Led, answer, turned
 from plumbline.adapters.newton.vendor import Vendor, view
 from plumbline.harness.adapter import Diverged, Notice, Settings, Unsupported
 from plumbline.harness.adapter.distance_springs import DistanceSprings
 from plumbline.harness.adapter.what_goes_in import check_state, check_targets, check_velocities, check_wrench
-from plumbline.harness.scene import Camera, Scene, Vector3, axis_angle, multiply
+from plumbline.harness.scene import Camera, Scene, Vector3
 from plumbline.harness.trajectory import Contacts, Floats, Hits, Image, State
 
 
@@ -22,7 +23,7 @@ class World:
     """What was made of a scene.
 
     Terms: links: Newton's numbers of bodies by name, -1 of what stands still. owners: by Newton's numbers of shapes the places
-    of their bodies. pipeline: finds contacts, where the solver does not do so itself.
+    of their bodies. solver: None where nothing moves. pipeline: finds contacts, where the solver does not do so itself.
     """
 
     vendor: Vendor
@@ -34,24 +35,6 @@ class World:
     pipeline: Any = None
     springs: DistanceSprings | None = None
     notices: list[Notice] = field(default_factory=list)
-
-
-@dataclass(slots=True)
-class Led:
-    """A kinematic body, and how it moves until told otherwise.
-
-    Terms: place: among the scene's bodies. row: Newton's number. at, rate_at: where its free joint's numbers begin. p, q, v, w: in
-    W, q = (w, x, y, z).
-    """
-
-    place: int
-    row: int
-    at: int
-    rate_at: int
-    p: Floats
-    q: Floats
-    v: Floats
-    w: Floats
 
 
 @dataclass(slots=True)
@@ -87,7 +70,11 @@ class NewtonSimulation:
         self._graphs: list[Any] = [None, None]
         self._even = True
         self._led = [self._way(k) for k, body in enumerate(scene.bodies) if body.motion == "kinematic"]
+        self._towed = any(int(parent) in {way.row for way in self._led} for parent in view(world.model.joint_parent))
         self._pushed: tuple[Floats, Floats] | None = None
+        mujoco = used.solver == "mujoco" and world.solver is not None
+        self._overflow = view(world.solver.mjw_data.overflow) if mujoco else np.zeros(1, dtype=np.int32)
+        self._lost = 0
         self._set_out()
 
     def _way(self, place: int) -> Led:
@@ -128,11 +115,14 @@ class NewtonSimulation:
 
     def step(self, count: int = 1) -> None:
         """Advance by count * dt. Raises: Diverged."""
+        if self._world.solver is None:
+            return
         busy = bool(self._led) or self._world.springs is not None
         for _ in range(count * (self._used.substeps or 1)):
             if busy:
                 self._before()
             self._substep()
+            self._lost |= int(self._overflow[0])
             self._now, self._begun = 1 - self._now, True
             if busy:
                 self._after()
@@ -150,7 +140,11 @@ class NewtonSimulation:
             if self._pushed is not None:
                 f_B_W, tau_B_W = f_B_W + self._pushed[0], tau_B_W + self._pushed[1]
             self._push(f_B_W, tau_B_W)
-        self._lead(side, self._led)
+        if self._led:
+            before = side.joint_qd.copy()
+            self._lead(side, self._led)
+            if self._towed and (before != side.joint_qd).any():
+                answer(self._world.vendor.newton, self._world.model, side.state, side.joint_qd, before)
 
     def _after(self) -> None:
         """What is led comes to where its velocity brings it, whatever single precision makes of that."""
@@ -213,7 +207,7 @@ class NewtonSimulation:
 
     def contacts(self) -> Contacts:
         """The points of the last sub-step, where they are at its end."""
-        if not self._begun:
+        if not self._begun or self._world.solver is None:
             return Contacts.none()
         before, after = self._sides[1 - self._now].q, self._sides[self._now].q
         if self._used.solver == "xpbd":
@@ -222,7 +216,9 @@ class NewtonSimulation:
 
     def cast(self, origins: Floats, directions: Floats, max_range: float) -> Hits:
         """First hits, see `Simulation.cast`."""
-        return rays.cast(self._world.vendor, self._world.model, self._world.owners, self._shown(), origins, directions, max_range)
+        return rays.cast(
+            self._world.vendor, self._world.model, self._world.owners, self._shown(), origins, directions, max_range
+        )
 
     def caster(self, origins: Floats, directions: Floats, max_range: float) -> Callable[[], object]:
         """A function that casts these rays again and leaves Newton's own hits."""
@@ -265,7 +261,8 @@ class NewtonSimulation:
 
     def warnings(self) -> tuple[Notice, ...]:
         """What is computed beside the scene."""
-        return tuple(self._world.notices)
+        lost = (Notice("MuJoCo-Warp had no room for all contacts or constraints of a step", "capacity"),) if self._lost else ()
+        return (*self._world.notices, *lost)
 
     def save(self) -> object:
         """Poses, velocities and coordinates, and what MuJoCo-Warp starts its solver from."""
@@ -285,18 +282,9 @@ class NewtonSimulation:
 
     def _kept(self) -> list[Floats]:
         """Views of what the solver takes over from the last step."""
-        return [view(self._world.solver.mjw_data.qacc_warmstart)] if self._used.solver == "mujoco" else []
+        solver = self._world.solver
+        return [view(solver.mjw_data.qacc_warmstart)] if solver is not None and self._used.solver == "mujoco" else []
 
     def close(self) -> None:
         """Let go of the world; may be called twice."""
         self._graphs = [None, None]
-
-
-def turned(w: Floats, h: float, q: Floats) -> Floats:
-    """A quaternion (w, x, y, z) after h [s] at the angular velocity w [rad/s]."""
-    speed = float(np.linalg.norm(w))
-    if speed == 0.0:
-        return q
-    x, y, z = (w / speed).tolist()
-    a, b, c, d = q.tolist()
-    return np.array(multiply(axis_angle((x, y, z), speed * h), (a, b, c, d)))

@@ -6,10 +6,11 @@ Tried with newton 1.8.0, mujoco-warp 4.0.0 and warp-lang 1.19.0 (Python 3.11, Li
 import importlib.metadata
 from dataclasses import dataclass
 
-from plumbline.adapters.newton.build import build
+from plumbline.adapters.newton.build import build, build_worlds, together
 from plumbline.adapters.newton.options import SOLVERS
 from plumbline.adapters.newton.vendor import load
 from plumbline.harness.adapter import Adapter, Emulation, Extra, Feature, Settings, Simulation
+from plumbline.harness.adapter.many_worlds import Batch
 from plumbline.harness.adapter.mass_points import POINTS_AS_BODIES, built_with_points
 from plumbline.harness.scene import Scene
 
@@ -34,6 +35,12 @@ class NewtonAdapter(Adapter):
     def build(self, scene: Scene, settings: Settings) -> Simulation:
         """Exactly this scene under these settings. Raises: Unsupported, Unavailable, SettingsError."""
         return built_with_points(lambda told: build(load(), told, settings), scene)
+
+    def build_batch(self, scene: Scene, settings: Settings, count: int) -> Batch:
+        """Worlds of one model, which one step steps together; one simulation each where each is led. Raises: as `build`."""
+        if together(scene):
+            return build_worlds(load(), scene, settings, count)
+        return super().build_batch(scene, settings, count)
 
 
 ADAPTER = NewtonAdapter(

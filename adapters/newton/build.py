@@ -4,12 +4,14 @@ from typing import Any
 
 from plumbline.adapters.newton.bodies import Bodies
 from plumbline.adapters.newton.joints import Joints
+from plumbline.adapters.newton.many_worlds import Layout, NewtonWorlds
 from plumbline.adapters.newton.options import resolved_settings
 from plumbline.adapters.newton.simulation import NewtonSimulation, World
+from plumbline.adapters.newton.stepper import NoContacts, Stepper
 from plumbline.adapters.newton.surfaces import numbers_of, rebounds
 from plumbline.adapters.newton.vendor import Vendor, mujoco_solver
 from plumbline.harness.adapter import Notice, Settings
-from plumbline.harness.adapter.distance_springs import DistanceSprings
+from plumbline.harness.adapter.distance_springs import DistanceSprings, is_distance_spring
 from plumbline.harness.scene import Effect, Scene
 
 VENDOR_TIME_CONSTANT = 0.02
@@ -24,27 +26,65 @@ _SOFT = (2.5e3, 100.0)
 
 def build(vendor: Vendor, scene: Scene, settings: Settings) -> NewtonSimulation:
     """Exactly this scene under these settings. Raises: Unsupported, SettingsError."""
-    effects = scene.effects
-    used = resolved_settings(settings, "xpbd" if rebounds(scene) else "mujoco")
-    solver = str(used.solver)
-    builder = vendor.newton.ModelBuilder(gravity=scene.gravity if Effect.GRAVITY in effects else (0.0, 0.0, 0.0))
+    effects, used = scene.effects, _resolved(scene, settings)
+    builder, bodies, joints = _told(vendor, scene, used)
+    model = builder.finalize(device="cpu")
+    moving = _solver(vendor, model, used, effects) if model.body_count else None
+    world = World(vendor, model, moving, bodies.links, bodies.owners, joints.driven, _pipeline(vendor, model, used, effects))
+    if Effect.JOINTS in effects:
+        world.springs = DistanceSprings.of(scene, scene.joints, used.substep)
+    world.notices += _notices(scene, effects)
+    return NewtonSimulation(scene, used, world)
+
+
+def together(scene: Scene) -> bool:
+    """Can many worlds of a scene be one model? Not where an adapter has to do something in each sub-step."""
+    led = any(body.motion == "kinematic" or body.mass_point for body in scene.bodies)
+    sprung = Effect.JOINTS in scene.effects and any(is_distance_spring(joint) for joint in scene.joints)
+    return not (led or sprung) and any(body.movable for body in scene.bodies)
+
+
+def build_worlds(vendor: Vendor, scene: Scene, settings: Settings, count: int) -> NewtonWorlds:
+    """`count` worlds of this scene in one model. Raises: Unsupported, SettingsError."""
+    effects, used = scene.effects, _resolved(scene, settings)
+    one, bodies, joints = _told(vendor, scene, used)
+    builder = _builder(vendor, scene, used)
+    builder.replicate(one, count)
+    model = builder.finalize(device="cpu")
+    pipeline = _pipeline(vendor, model, used, effects)
+    stepper = Stepper(vendor, model, _solver(vendor, model, used, effects), pipeline, used.substep)
+    return NewtonWorlds(scene, used, stepper, Layout(count, bodies.links, joints.driven), tuple(_notices(scene, effects)))
+
+
+def _resolved(scene: Scene, settings: Settings) -> Settings:
+    return resolved_settings(settings, "xpbd" if rebounds(scene) else "mujoco")
+
+
+def _builder(vendor: Vendor, scene: Scene, used: Settings) -> Any:
+    """A model that is to be made."""
+    builder = vendor.newton.ModelBuilder(gravity=scene.gravity if Effect.GRAVITY in scene.effects else (0.0, 0.0, 0.0))
     builder.balance_inertia = False
     if used.options.get("limit_steps") is not None:
         vendor.newton.solvers.SolverMuJoCo.register_custom_attributes(builder)
+    return builder
+
+
+def _told(vendor: Vendor, scene: Scene, used: Settings) -> tuple[Any, Bodies, Joints]:
+    """All of a scene, in a model that is to be made. Raises: Unsupported."""
+    builder, solver = _builder(vendor, scene, used), str(used.solver)
     bodies = Bodies(vendor, builder, scene, numbers_of(scene, solver), _softness(used))
     bodies.put()
     joints = Joints(bodies, solver, _held(used))
     joints.put()
     bodies.keep_apart()
-    model = builder.finalize(device="cpu")
-    moving = _solver(vendor, model, used, effects) if model.body_count else None
-    world = World(vendor, model, moving, bodies.links, bodies.owners, joints.driven)
-    if Effect.CONTACT in effects and solver == "xpbd":
-        world.pipeline = vendor.newton.CollisionPipeline(model)
-    if Effect.JOINTS in effects:
-        world.springs = DistanceSprings.of(scene, scene.joints, used.substep)
-    _notice(world, scene, effects)
-    return NewtonSimulation(scene, used, world)
+    return builder, bodies, joints
+
+
+def _pipeline(vendor: Vendor, model: Any, used: Settings, effects: Effect) -> Any:
+    """What finds contacts for XPBD; MuJoCo-Warp finds its own."""
+    if used.solver != "xpbd":
+        return None
+    return vendor.newton.CollisionPipeline(model) if Effect.CONTACT in effects else NoContacts()
 
 
 def _softness(used: Settings) -> tuple[float, float]:
@@ -57,17 +97,17 @@ def _softness(used: Settings) -> tuple[float, float]:
 
 
 def _held(used: Settings) -> dict[str, Any]:
-    """How stiffly limits and dry friction hold a coordinate, by MuJoCo's attributes; nothing for Newton's own."""
+    """How stiffly limits and dry friction hold a coordinate, by MuJoCo's attributes of one; nothing for Newton's own."""
     steps = used.options.get("limit_steps")
     if steps is None:
         return {}
     t, stiff = min(steps * used.substep, VENDOR_TIME_CONSTANT), (LIMIT_IMPEDANCE, LIMIT_IMPEDANCE, 0.001, 0.5, 2.0)
     return {
-        "mujoco:solreflimit": (t, LIMIT_DAMPING_RATIO),
-        "mujoco:solreflimit_mode": RAW,
-        "mujoco:solimplimit": stiff,
-        "mujoco:solreffriction": (t, 1.0),
-        "mujoco:solimpfriction": stiff,
+        "mujoco:solreflimit": [(t, LIMIT_DAMPING_RATIO)],
+        "mujoco:solreflimit_mode": [RAW],
+        "mujoco:solimplimit": [stiff],
+        "mujoco:solreffriction": [(t, 1.0)],
+        "mujoco:solimpfriction": [stiff],
     }
 
 
@@ -94,12 +134,13 @@ def _solver(vendor: Vendor, model: Any, used: Settings, effects: Effect) -> Any:
     )
 
 
-def _notice(world: World, scene: Scene, effects: Effect) -> None:
-    """Name what is computed although the scene does not call for it, and what is not although it does."""
-    movable = [body for body in scene.bodies if body.movable]
+def _notices(scene: Scene, effects: Effect) -> list[Notice]:
+    """What is computed although the scene does not call for it, and what is not although it does."""
+    notices, movable = [], [body for body in scene.bodies if body.movable]
     if Effect.CONTINUOUS_COLLISION in effects:
         text = "continuous collision: Newton's solvers have none"
-        world.notices.append(Notice(text, "missing", Effect.CONTINUOUS_COLLISION))
+        notices.append(Notice(text, "missing", Effect.CONTINUOUS_COLLISION))
     uneven = any(body.inertia[0][0] != body.inertia[1][1] or body.inertia[1][1] != body.inertia[2][2] for body in movable)
     if Effect.GYROSCOPIC not in effects and uneven:
-        world.notices.append(Notice("gyroscopic terms, for which Newton offers no switch", "surplus", Effect.GYROSCOPIC))
+        notices.append(Notice("gyroscopic terms, for which Newton offers no switch", "surplus", Effect.GYROSCOPIC))
+    return notices

@@ -66,7 +66,8 @@ def _forces(solver: Any, contact: Any, count: int, frame: Floats) -> Floats:
         else:
             for axis in range(min(size, 3)):
                 local[k, axis] = rows[address[k, axis]]
-    return np.einsum("ki,kij->kj", local, frame)
+    force: Floats = np.einsum("ki,kij->kj", local, frame)
+    return force
 
 
 def _contacts(

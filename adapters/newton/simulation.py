@@ -8,8 +8,9 @@ import numpy as np
 
 from plumbline.adapters.newton import contacts as touching
 from plumbline.adapters.newton import rays
-from plumbline.adapters.newton.joints import Aim, Driven
+from plumbline.adapters.newton.joints import Driven
 from plumbline.adapters.newton.led import Led, answer, turned
+from plumbline.adapters.newton.stepper import Side, Stepper
 from plumbline.adapters.newton.vendor import Vendor, view
 from plumbline.harness.adapter import Diverged, Notice, Settings, Unsupported
 from plumbline.harness.adapter.distance_springs import DistanceSprings
@@ -37,24 +38,6 @@ class World:
     notices: list[Notice] = field(default_factory=list)
 
 
-@dataclass(slots=True)
-class Side:
-    """One of the two states, with views of its arrays. Terms: q: positions and quaternions (x, y, z, w). qd: v and w."""
-
-    state: Any
-    q: Floats
-    qd: Floats
-    f: Floats
-    joint_q: Floats
-    joint_qd: Floats
-
-    @classmethod
-    def of(cls, state: Any) -> "Side":
-        """A state of a model, whose arrays are seen in place."""
-        arrays = (state.body_q, state.body_qd, state.body_f, state.joint_q, state.joint_qd)
-        return cls(state, *(np.zeros((0, 7)) if array is None else view(array) for array in arrays))
-
-
 class NewtonSimulation:
     """One world. Args: used: the resolved settings."""
 
@@ -63,18 +46,10 @@ class NewtonSimulation:
         self._start, self._h, self._begun = State.initial(scene), used.substep, False
         self._places = [k for k, body in enumerate(scene.bodies) if body.motion != "static"]
         self._rows = [world.links[scene.bodies[k].name] for k in self._places]
-        self._sides = [Side.of(world.model.state()), Side.of(world.model.state())]
-        self._control = world.model.control()
-        self._contacts = None if world.pipeline is None else world.pipeline.contacts()
-        self._now = 0
-        self._graphs: list[Any] = [None, None]
-        self._even = True
+        self._stepper = Stepper(world.vendor, world.model, world.solver, world.pipeline, used.substep)
         self._led = [self._way(k) for k, body in enumerate(scene.bodies) if body.motion == "kinematic"]
         self._towed = any(int(parent) in {way.row for way in self._led} for parent in view(world.model.joint_parent))
         self._pushed: tuple[Floats, Floats] | None = None
-        mujoco = used.solver == "mujoco" and world.solver is not None
-        self._overflow = view(world.solver.mjw_data.overflow) if mujoco else np.zeros(1, dtype=np.int32)
-        self._lost = 0
         self._set_out()
 
     def _way(self, place: int) -> Led:
@@ -86,22 +61,18 @@ class NewtonSimulation:
 
     def _set_out(self) -> None:
         """Both states at the start of the scene, and what drives ask for."""
-        start, newton, model = self._start, self._world.vendor.newton, self._world.model
-        for side in self._sides:
+        start = self._start
+        for side in self._stepper.sides:
             for k, row in zip(self._places, self._rows, strict=True):
                 side.q[row, :3], side.q[row, 3:] = start.p_WB[k], np.roll(start.q_WB[k], -1)
                 side.qd[row, :3], side.qd[row, 3:] = start.v_WB[k], start.w_WB[k]
-            if model.joint_count:
-                newton.eval_ik(model, side.state, side.state.joint_q, side.state.joint_qd)
+            self._stepper.invert(side)
         for driven in self._world.driven.values():
-            self._aim(driven, driven.aim(driven.drive.target))
+            self._aim(driven, driven.drive.target)
 
-    def _aim(self, driven: Driven, aim: Aim) -> None:
-        model, control = self._world.model, self._control
-        at = int(view(model.joint_qd_start)[driven.number])
-        view(control.joint_target_q)[int(view(model.joint_target_q_start)[driven.number])] = aim.position
-        view(control.joint_target_qd)[at] = aim.rate
-        view(control.joint_f)[at] = aim.push
+    def _aim(self, driven: Driven, target: float) -> None:
+        aim = driven.aim(target)
+        self._stepper.aim(driven.number, aim.position, aim.rate, aim.push)
 
     @property
     def resolved(self) -> Settings:
@@ -111,7 +82,7 @@ class NewtonSimulation:
     @property
     def force_lead(self) -> float:
         """Semi-implicit Euler goes x + v dt + (1 + 1/k)/2 f dt^2 in k sub-steps."""
-        return 0.0 if self._used.integrator == "rk4" else 0.5 * (1.0 - 1.0 / (self._used.substeps or 1))
+        return 0.5 if self._used.integrator == "rk4" else 0.5 * (1.0 - 1.0 / (self._used.substeps or 1))
 
     def step(self, count: int = 1) -> None:
         """Advance by count * dt. Raises: Diverged."""
@@ -121,18 +92,15 @@ class NewtonSimulation:
         for _ in range(count * (self._used.substeps or 1)):
             if busy:
                 self._before()
-            self._substep()
-            self._lost |= int(self._overflow[0])
-            self._now, self._begun = 1 - self._now, True
+            self._stepper.step()
+            self._begun = True
             if busy:
                 self._after()
-        side = self._sides[self._now]
-        if not (np.isfinite(side.q).all() and np.isfinite(side.qd).all()):
-            raise Diverged("Newton: a pose or velocity stopped being finite")
+        self._stepper.check()
 
     def _before(self) -> None:
         """Lead what is led, and push what springs push, in the coming sub-step."""
-        side = self._sides[self._now]
+        side = self._stepper.here
         if self._world.springs is not None:
             present = State.empty(len(self._scene.bodies))
             self.state(present)
@@ -151,7 +119,7 @@ class NewtonSimulation:
         for way in self._led:
             way.p = way.p + self._h * way.v
             way.q = turned(way.w, self._h, way.q)
-        self._lead(self._sides[self._now], self._led)
+        self._lead(self._stepper.here, self._led)
 
     def _lead(self, side: Side, led: Sequence[Led]) -> None:
         """Tell a state where bodies are led, as bodies and as coordinates of their free joints."""
@@ -160,35 +128,14 @@ class NewtonSimulation:
             side.qd[way.row, :3], side.qd[way.row, 3:] = way.v, way.w
             side.joint_q[way.at : way.at + 7], side.joint_qd[way.rate_at : way.rate_at + 6] = side.q[way.row], side.qd[way.row]
 
-    def _substep(self) -> None:
-        """One sub-step from the present state to the other, by the graph of its kernels."""
-        warp = self._world.vendor.warp
-        if not self._even:
-            self._launch()
-            return
-        if self._graphs[self._now] is None:
-            with warp.ScopedCapture(device="cpu", force_module_load=False) as capture:
-                self._launch()
-            self._graphs[self._now] = capture.graph
-        warp.capture_launch(self._graphs[self._now])
-
-    def _launch(self) -> None:
-        """The kernels of a sub-step, one by one."""
-        here, there = self._sides[self._now].state, self._sides[1 - self._now].state
-        if self._world.pipeline is not None:
-            self._world.pipeline.collide(here, self._contacts)
-        self._world.solver.step(here, there, self._control, self._contacts, self._h)
-
     def retime(self, dt: float) -> None:
-        """The length [s] of each step from the next one on; a graph holds its own, so that kernels are called one by one.
-
-        Raises: Unsupported.
-        """
+        """The length [s] of each step from the next one on. Raises: Unsupported."""
         if self._world.springs is not None and self._world.springs.implicit:
             raise Unsupported(
                 "steps of uneven lengths beside springs that are taken implicitly", "the last step has to be as long"
             )
-        self._h, self._even = dt / (self._used.substeps or 1), False
+        self._h = dt / (self._used.substeps or 1)
+        self._stepper.retime(self._h)
 
     def state(self, out: State) -> None:
         """Write the present state into `out`. Raises: Diverged."""
@@ -197,7 +144,7 @@ class NewtonSimulation:
         out.p_WB[:], out.q_WB[:], out.v_WB[:], out.w_WB[:] = start.p_WB, start.q_WB, start.v_WB, start.w_WB
         if not self._begun or not self._places:
             return
-        side, places, rows = self._sides[self._now], self._places, self._rows
+        side, places, rows = self._stepper.here, self._places, self._rows
         out.p_WB[places], out.v_WB[places], out.w_WB[places] = side.q[rows, :3], side.qd[rows, :3], side.qd[rows, 3:]
         turned = np.roll(side.q[rows, 3:], 1, axis=1).astype(np.float64)
         norms = np.linalg.norm(turned, axis=1, keepdims=True)
@@ -209,9 +156,9 @@ class NewtonSimulation:
         """The points of the last sub-step, where they are at its end."""
         if not self._begun or self._world.solver is None:
             return Contacts.none()
-        before, after = self._sides[1 - self._now].q, self._sides[self._now].q
+        before, after = self._stepper.there.q, self._stepper.here.q
         if self._used.solver == "xpbd":
-            return touching.of_pipeline(self._world.model, self._contacts, self._world.owners, after)
+            return touching.of_pipeline(self._world.model, self._stepper.contacts, self._world.owners, after)
         return touching.of_mujoco(self._world.solver, self._world.model, self._world.owners, before, after)
 
     def cast(self, origins: Floats, directions: Floats, max_range: float) -> Hits:
@@ -225,7 +172,7 @@ class NewtonSimulation:
         return rays.caster(self._world.vendor, self._world.model, self._shown(), origins, directions, max_range)
 
     def _shown(self) -> Callable[[], Any]:
-        return lambda: self._sides[self._now].state
+        return lambda: self._stepper.here.state
 
     def render(self, camera: Camera, colour: bool = True) -> Image:  # noqa: ARG002  # nothing is drawn here
         """Raises: Unsupported."""
@@ -236,8 +183,7 @@ class NewtonSimulation:
         check_targets(self._scene, targets)
         for name, target in targets.items():
             if name in self._world.driven:
-                driven = self._world.driven[name]
-                self._aim(driven, driven.aim(float(target)))
+                self._aim(self._world.driven[name], float(target))
 
     def prescribe(self, velocities: Mapping[str, tuple[Vector3, Vector3]]) -> None:
         """Set v_WB and w_WB of kinematic bodies."""
@@ -256,35 +202,29 @@ class NewtonSimulation:
     def _push(self, f_B_W: Floats, tau_B_W: Floats) -> None:
         moved = [(k, row) for k, row in zip(self._places, self._rows, strict=True) if self._scene.bodies[k].movable]
         places, rows = [k for k, _ in moved], [row for _, row in moved]
-        for side in self._sides:
+        for side in self._stepper.sides:
             side.f[rows, :3], side.f[rows, 3:] = f_B_W[places], tau_B_W[places]
 
     def warnings(self) -> tuple[Notice, ...]:
         """What is computed beside the scene."""
-        lost = (Notice("MuJoCo-Warp had no room for all contacts or constraints of a step", "capacity"),) if self._lost else ()
-        return (*self._world.notices, *lost)
+        return (*self._world.notices, *self._stepper.notices())
 
     def save(self) -> object:
         """Poses, velocities and coordinates, and what MuJoCo-Warp starts its solver from."""
-        side = self._sides[self._now]
+        side = self._stepper.here
         arrays = [a.copy() for a in (side.q, side.qd, side.joint_q, side.joint_qd)]
-        return arrays, [a.copy() for a in self._kept()], [replace(way) for way in self._led], self._begun
+        return arrays, [a.copy() for a in self._stepper.kept], [replace(way) for way in self._led], self._begun
 
     def restore(self, saved: object) -> None:
         """Back to a saved state."""
         arrays, kept, led, self._begun = cast(tuple[list[Floats], list[Floats], list[Led], bool], saved)
-        side = self._sides[self._now]
+        side = self._stepper.here
         for own, value in zip((side.q, side.qd, side.joint_q, side.joint_qd), arrays, strict=True):
             own[:] = value
-        for own, value in zip(self._kept(), kept, strict=True):
+        for own, value in zip(self._stepper.kept, kept, strict=True):
             own[:] = value
         self._led = [replace(way) for way in led]
 
-    def _kept(self) -> list[Floats]:
-        """Views of what the solver takes over from the last step."""
-        solver = self._world.solver
-        return [view(solver.mjw_data.qacc_warmstart)] if solver is not None and self._used.solver == "mujoco" else []
-
     def close(self) -> None:
         """Let go of the world; may be called twice."""
-        self._graphs = [None, None]
+        self._stepper.close()

@@ -77,10 +77,10 @@ class Bodies:
 
     def _shape(self, body: Body, shape: Shape, p: Vector3, q: Quaternion) -> int:
         touches, kind = Effect.CONTACT in self.scene.effects, (body.material, body.movable)
-        ke, kd = self.softness
+        (ke, kd), mu = self.softness, self.numbers.friction.get(kind, 0.0)
         config = self.vendor.newton.ModelBuilder.ShapeConfig(
             density=0.0,
-            mu=self.numbers.friction.get(kind, 0.0),
+            mu=mu,
             restitution=self.numbers.restitution.get(kind, 0.0),
             mu_torsional=0.0,
             mu_rolling=0.0,
@@ -91,47 +91,43 @@ class Bodies:
             collision_filter_parent=False,
         )
         link, at, builder = self.links[body.name], self.vendor.transform(p, q), self.builder
+        # A pyramid of friction 0 ends in NaN; a contact of one dimension has none.
+        told = {"xform": at, "cfg": config, "custom_attributes": {"mujoco:condim": 1} if mu == 0.0 else None}
         match shape:
             case Sphere():
-                number = builder.add_shape_sphere(link, xform=at, radius=shape.radius, cfg=config)
+                number = builder.add_shape_sphere(link, radius=shape.radius, **told)
             case Box():
                 x, y, z = shape.half_extents
-                number = builder.add_shape_box(link, xform=at, hx=x, hy=y, hz=z, cfg=config)
+                number = builder.add_shape_box(link, hx=x, hy=y, hz=z, **told)
             case Capsule():
-                number = builder.add_shape_capsule(
-                    link, xform=at, radius=shape.radius, half_height=shape.half_length, cfg=config
-                )
+                number = builder.add_shape_capsule(link, radius=shape.radius, half_height=shape.half_length, **told)
             case Cylinder():
-                number = builder.add_shape_cylinder(
-                    link, xform=at, radius=shape.radius, half_height=shape.half_length, cfg=config
-                )
+                number = builder.add_shape_cylinder(link, radius=shape.radius, half_height=shape.half_length, **told)
             case Ellipsoid():
                 a, b, c = shape.semi_axes
-                number = builder.add_shape_ellipsoid(link, xform=at, rx=a, ry=b, rz=c, cfg=config)
+                number = builder.add_shape_ellipsoid(link, rx=a, ry=b, rz=c, **told)
             case Plane():
-                turned = multiply(q, _from_z(shape.normal))
-                number = builder.add_shape_plane(
-                    None, xform=self.vendor.transform(p, turned), width=0.0, length=0.0, body=link, cfg=config
-                )
+                told["xform"] = self.vendor.transform(p, multiply(q, _from_z(shape.normal)))
+                number = builder.add_shape_plane(None, width=0.0, length=0.0, body=link, **told)
             case ConvexHull() | TriangleMesh():
-                number = self._polyhedron(body, shape, link, at, config)
+                number = self._polyhedron(body, shape, link, told)
             case _:
                 raise AssertionError(f"{shape.type} passed the door")
         return int(number)
 
-    def _polyhedron(self, body: Body, shape: ConvexHull | TriangleMesh, link: int, at: Any, config: Any) -> int:
+    def _polyhedron(self, body: Body, shape: ConvexHull | TriangleMesh, link: int, told: dict[str, Any]) -> int:
         points = np.array(shape.vertices, dtype=np.float32)
         if isinstance(shape, ConvexHull):
             from scipy.spatial import ConvexHull as Hull
 
             faces = Hull(np.array(shape.vertices)).simplices
             mesh = self.vendor.newton.Mesh(points, faces.astype(np.int32).ravel(), compute_inertia=False)
-            return int(self.builder.add_shape_convex_hull(link, xform=at, mesh=mesh, cfg=config))
+            return int(self.builder.add_shape_convex_hull(link, mesh=mesh, **told))
         if body.movable:
             raise Unsupported(f"mesh of body '{body.name}'", "MuJoCo-Warp lets meshes collide as their hulls")
         faces = np.array(shape.faces, dtype=np.int32).ravel()
         mesh = self.vendor.newton.Mesh(points, faces, compute_inertia=False)
-        return int(self.builder.add_shape_mesh(link, xform=at, mesh=mesh, cfg=config))
+        return int(self.builder.add_shape_mesh(link, mesh=mesh, **told))
 
     def keep_apart(self) -> None:
         """No contact between those that stand apart, that a joint holds, or neither of which a force moves."""

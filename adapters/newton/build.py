@@ -48,7 +48,7 @@ def build_worlds(vendor: Vendor, scene: Scene, settings: Settings, count: int) -
     """`count` worlds of this scene in one model. Raises: Unsupported, SettingsError."""
     effects, used = scene.effects, _resolved(scene, settings)
     one, bodies, joints = _told(vendor, scene, used)
-    builder = _builder(vendor, scene, used)
+    builder = _builder(vendor, scene)
     builder.replicate(one, count)
     model = builder.finalize(device="cpu")
     pipeline = _pipeline(vendor, model, used, effects)
@@ -60,18 +60,17 @@ def _resolved(scene: Scene, settings: Settings) -> Settings:
     return resolved_settings(settings, "xpbd" if rebounds(scene) else "mujoco")
 
 
-def _builder(vendor: Vendor, scene: Scene, used: Settings) -> Any:
+def _builder(vendor: Vendor, scene: Scene) -> Any:
     """A model that is to be made."""
     builder = vendor.newton.ModelBuilder(gravity=scene.gravity if Effect.GRAVITY in scene.effects else (0.0, 0.0, 0.0))
     builder.balance_inertia = False
-    if used.options.get("limit_steps") is not None:
-        vendor.newton.solvers.SolverMuJoCo.register_custom_attributes(builder)
+    vendor.newton.solvers.SolverMuJoCo.register_custom_attributes(builder)
     return builder
 
 
 def _told(vendor: Vendor, scene: Scene, used: Settings) -> tuple[Any, Bodies, Joints]:
     """All of a scene, in a model that is to be made. Raises: Unsupported."""
-    builder, solver = _builder(vendor, scene, used), str(used.solver)
+    builder, solver = _builder(vendor, scene), str(used.solver)
     bodies = Bodies(vendor, builder, scene, numbers_of(scene, solver), _softness(used))
     bodies.put()
     joints = Joints(bodies, solver, _held(used))

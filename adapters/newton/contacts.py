@@ -1,4 +1,4 @@
-"""Contacts as Newton tells them: where they are at the end of the last sub-step."""
+"""Contacts as MuJoCo-Warp tells them: where they are at the end of the last sub-step."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -7,23 +7,6 @@ import numpy as np
 
 from plumbline.adapters.newton.vendor import view
 from plumbline.harness.trajectory import Contacts, Floats, Integers
-
-
-def of_pipeline(model: Any, contacts: Any, owners: Sequence[int], after: Floats) -> Contacts:
-    """The points that Newton's own pipeline found, which overlap; XPBD tells of their forces approximately, so 0 here.
-
-    Args: after (l, 7): poses of Newton's bodies now, quaternions (x, y, z, w).
-    """
-    if contacts is None:
-        return Contacts.none()
-    count = int(view(contacts.rigid_contact_count)[0])
-    first, second = (view(array)[:count] for array in (contacts.rigid_contact_shape0, contacts.rigid_contact_shape1))
-    bodies, normal = view(model.shape_body), view(contacts.rigid_contact_normal)[:count].astype(np.float64)
-    p = _placed(after, bodies[first], view(contacts.rigid_contact_point0)[:count])
-    q = _placed(after, bodies[second], view(contacts.rigid_contact_point1)[:count])
-    p += view(contacts.rigid_contact_margin0)[:count, None] * normal
-    q -= view(contacts.rigid_contact_margin1)[:count, None] * normal
-    return _contacts(owners, first, second, p, q, normal, np.zeros((count, 3)))
 
 
 def of_mujoco(solver: Any, model: Any, owners: Sequence[int], before: Floats, after: Floats) -> Contacts:

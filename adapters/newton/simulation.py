@@ -120,6 +120,8 @@ class NewtonSimulation:
             way.p = way.p + self._h * way.v
             way.q = turned(way.w, self._h, way.q)
         self._lead(self._stepper.here, self._led)
+        if self._towed:
+            self._stepper.follow(self._stepper.here)
 
     def _lead(self, side: Side, led: Sequence[Led]) -> None:
         """Tell a state where bodies are led, as bodies and as coordinates of their free joints."""
@@ -153,12 +155,14 @@ class NewtonSimulation:
         out.q_WB[places] = turned / norms
 
     def contacts(self) -> Contacts:
-        """The points of the last sub-step, where they are at its end."""
+        """The points of the last sub-step, where they are at its end. Raises: Unsupported."""
+        if self._used.solver == "xpbd":
+            raise Unsupported(
+                "contacts of what rebounds", "XPBD tells forces of contacts approximately, and those of rebounds not at all"
+            )
         if not self._begun or self._world.solver is None:
             return Contacts.none()
         before, after = self._stepper.there.q, self._stepper.here.q
-        if self._used.solver == "xpbd":
-            return touching.of_pipeline(self._world.model, self._stepper.contacts, self._world.owners, after)
         return touching.of_mujoco(self._world.solver, self._world.model, self._world.owners, before, after)
 
     def cast(self, origins: Floats, directions: Floats, max_range: float) -> Hits:

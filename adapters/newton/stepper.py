@@ -90,6 +90,11 @@ class Stepper:
         if self.model.joint_count:
             self._vendor.newton.eval_ik(self.model, side.state, side.state.joint_q, side.state.joint_qd)
 
+    def follow(self, side: Side) -> None:
+        """Poses and velocities of bodies that the coordinates and rates of a state mean."""
+        state = side.state
+        self._vendor.newton.eval_fk(self.model, state.joint_q, state.joint_qd, state)
+
     def aim(self, joint: int, position: float, rate: float, push: float) -> None:
         """What the drive of a joint asks for from now on [rad or m, rad/s or m/s, N m or N]. Args: joint: Newton's number."""
         at = int(view(self.model.joint_qd_start)[joint])

@@ -8,6 +8,7 @@ import numpy as np
 from plumbline.adapters.newton.surfaces import Numbers
 from plumbline.adapters.newton.vendor import Vendor
 from plumbline.harness.adapter import Unsupported
+from plumbline.harness.adapter.convex_meshes import is_convex
 from plumbline.harness.adapter.rotations import IDENTITY
 from plumbline.harness.scene import (
     WORLD,
@@ -37,13 +38,15 @@ WORLD_BODY = -1
 class Bodies:
     """Puts bodies into a model that is being made.
 
-    Terms: softness: (ke, kd) of contacts. links: Newton's numbers by the names of bodies. shapes: numbers of a body's shapes.
-    owners: by Newton's numbers of shapes, the places of their bodies in the scene.
+    Terms:
+        solver: which will step the model. softness: (ke, kd) of contacts. links: Newton's numbers by the names of bodies.
+        shapes: numbers of a body's shapes. owners: by Newton's numbers of shapes, the places of their bodies in the scene.
     """
 
     vendor: Vendor
     builder: Any
     scene: Scene
+    solver: str
     numbers: Numbers
     softness: tuple[float, float]
     links: dict[str, int] = field(default_factory=lambda: {WORLD: WORLD_BODY})
@@ -107,6 +110,8 @@ class Bodies:
                 a, b, c = shape.semi_axes
                 number = builder.add_shape_ellipsoid(link, rx=a, ry=b, rz=c, **told)
             case Plane():
+                if body.motion != "static":
+                    raise Unsupported(f"body '{body.name}': a plane that moves", "Newton's planes stand still")
                 told["xform"] = self.vendor.transform(p, multiply(q, _from_z(shape.normal)))
                 number = builder.add_shape_plane(None, width=0.0, length=0.0, body=link, **told)
             case ConvexHull() | TriangleMesh():
@@ -124,9 +129,13 @@ class Bodies:
             mesh = self.vendor.newton.Mesh(points, faces.astype(np.int32).ravel(), compute_inertia=False)
             return int(self.builder.add_shape_convex_hull(link, mesh=mesh, **told))
         if body.movable:
-            raise Unsupported(f"mesh of body '{body.name}'", "MuJoCo-Warp lets meshes collide as their hulls")
-        faces = np.array(shape.faces, dtype=np.int32).ravel()
-        mesh = self.vendor.newton.Mesh(points, faces, compute_inertia=False)
+            raise Unsupported(f"mesh of body '{body.name}'", "MuJoCo-Warp collides a mesh as its hull")
+        faces, touches = np.array(shape.faces, dtype=np.int32), Effect.CONTACT in self.scene.effects
+        if touches and self.solver == "mujoco" and not is_convex(np.array(shape.vertices), faces):
+            raise Unsupported(
+                f"body '{body.name}': a mesh that is not convex and closed", "MuJoCo-Warp collides a mesh as its hull"
+            )
+        mesh = self.vendor.newton.Mesh(points, faces.ravel(), compute_inertia=False)
         return int(self.builder.add_shape_mesh(link, mesh=mesh, **told))
 
     def keep_apart(self) -> None:

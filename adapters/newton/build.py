@@ -71,7 +71,7 @@ def _builder(vendor: Vendor, scene: Scene) -> Any:
 def _told(vendor: Vendor, scene: Scene, used: Settings) -> tuple[Any, Bodies, Joints]:
     """All of a scene, in a model that is to be made. Raises: Unsupported."""
     builder, solver = _builder(vendor, scene), str(used.solver)
-    bodies = Bodies(vendor, builder, scene, numbers_of(scene, solver), _softness(used))
+    bodies = Bodies(vendor, builder, scene, solver, numbers_of(scene, solver), _softness(used))
     bodies.put()
     joints = Joints(bodies, solver, _held(used))
     joints.put()

@@ -43,12 +43,12 @@ import importlib.metadata
 from dataclasses import dataclass
 
 from plumbline.adapters.newton.build import build, build_worlds, together
-from plumbline.adapters.newton.options import SOLVERS
+from plumbline.adapters.newton.options import INTEGRATORS, SOLVERS
 from plumbline.adapters.newton.vendor import load
 from plumbline.harness.adapter import Adapter, Emulation, Extra, Feature, Settings, Simulation
 from plumbline.harness.adapter.many_worlds import Batch
 from plumbline.harness.adapter.mass_points import POINTS_AS_BODIES, built_with_points
-from plumbline.harness.scene import Scene
+from plumbline.harness.scene import Effect, Scene
 
 __all__ = ["ADAPTER"]
 
@@ -78,6 +78,9 @@ class NewtonAdapter(Adapter):
             return build_worlds(load(), scene, settings, count)
         return super().build_batch(scene, settings, count)
 
+
+_SPUN = "single precision: each step turns a spin into the body and back, and changes it by some 3e-7 of itself"
+_RAYS = "rays are cast in single precision: 1.4e-5 m off on round shapes, 1e-4 m on planes at a graze and within 50 m"
 
 ADAPTER = NewtonAdapter(
     name="newton",
@@ -125,7 +128,7 @@ ADAPTER = NewtonAdapter(
     ),
     tracks={
         "default": Settings(
-            source="newton 1.8.0 as it comes: SolverMuJoCo, its primary backend (README), or SolverXPBD where something rebounds"
+            source="newton 1.8.0 as it comes: MuJoCo-Warp, its primary backend (README); XPBD where something rebounds"
         ),
         "tuned": Settings(
             options={
@@ -135,12 +138,69 @@ ADAPTER = NewtonAdapter(
                 "contact_damping_ratio": 1.2,
                 "limit_steps": 2.0,
             },
-            source="",
+            source="elliptic cones, impratio above 1: MuJoCo documentation, Modeling, preventing slip; contacts of at most 20 steps and "
+            "damping ratio 1.2, limits and dry friction of two steps and ratio 1.7: measured on MuJoCo itself (`adapters.mujoco`)",
         ),
     },
-    knobs={"solver": SOLVERS, "substeps": (1, 2, 4, 8)},
-    loads=("newton",),
+    known_failures={
+        **{
+            f"{track}/contact_forces_end_with_the_contact": "XPBD, which steps what rebounds, tells no forces of rebounds"
+            for track in ("default", "tuned")
+        },
+        **{
+            f"{track}/{check}": _SPUN
+            for track in ("default", "tuned")
+            for check in ("hidden_damping_is_off", "nothing_brakes_a_free_body")
+        },
+        **{f"{track}/rays_match_closed_forms": _RAYS for track in ("default", "tuned")},
+        "default/friction_is_isotropic": "the vendor's default cone is a pyramid: friction towards its edges is up to 41 % off",
+    },
+    knobs={
+        "solver": SOLVERS,
+        "substeps": (1, 2, 4, 8),
+        "iterations": (2, 10, 50, 100),
+        "integrator": INTEGRATORS["mujoco"],
+        "options.cone": ("pyramidal", "elliptic"),
+        "options.impratio": (1.0, 10.0, 100.0),
+        "options.contact_steps": (40.0, 20.0, 4.0, 2.0),
+        "options.contact_damping_ratio": (0.5, 1.0, 1.2, 2.0),
+        "options.limit_steps": (2.0, 5.0, 20.0),
+        "options.contact_relaxation": (0.4, 0.8, 1.0),
+        "options.contact_weighting": (True, False),
+    },
+    acts_on={
+        **dict.fromkeys(("solver", "iterations"), Effect.CONTACT | Effect.JOINTS),
+        **dict.fromkeys(("options.cone", "options.contact_steps", "options.contact_damping_ratio"), Effect.CONTACT),
+        "options.impratio": Effect.FRICTION,
+        "options.limit_steps": Effect.JOINTS,
+        **dict.fromkeys(("options.contact_relaxation", "options.contact_weighting"), Effect.RESTITUTION),
+    },
+    loads=("newton", "mujoco_warp"),
     compile_allowance=900.0,
     orders={"implicitfast": 1, "euler": 1, "rk4": 4, "semi_implicit_euler": 1},
-    emulated=(Emulation(feature=Feature.MASS_POINT, how=POINTS_AS_BODIES),),
+    deviations=(
+        "single precision: each step changes a spin by some 3e-7 of itself",
+        "contacts, limits and loops of MuJoCo-Warp are soft: by .02 s on 'default'",
+        "what rebounds is stepped by XPBD, which tells no contacts",
+        "friction of a pair is the greater of two numbers (the mean under XPBD), one for each kind of body",
+        "the gyroscopic term cannot be switched off",
+    ),
+    laws=("plumbline.adapters.newton.simulation:NewtonSimulation._sprung",),
+    emulated=(
+        Emulation(feature=Feature.MASS_POINT, how=POINTS_AS_BODIES),
+        Emulation(
+            feature=Feature.DISTANCE_SPRING,
+            how="Newton's solvers of rigid bodies have no spring between points of two of them; the adapter works out a pair of "
+            "forces for each sub-step",
+        ),
+        Emulation(
+            feature=Feature.PRESCRIBED_MOTION,
+            how="a body that is led is put where its velocity brings it; what hangs on it keeps its momenta along its coordinates",
+        ),
+        Emulation(
+            feature=Feature.CLOSED_LOOP,
+            how="MuJoCo closes loops by points and welds; a revolute joint is two points of its axis, each held together",
+            where="where a revolute joint closes the loop",
+        ),
+    ),
 )

@@ -100,19 +100,21 @@ class NewtonSimulation:
 
     def _before(self) -> None:
         """Lead what is led, and push what springs push, in the coming sub-step."""
-        side = self._stepper.here
         if self._world.springs is not None:
-            present = State.empty(len(self._scene.bodies))
-            self.state(present)
-            f_B_W, tau_B_W = self._world.springs.forces(present)
-            if self._pushed is not None:
-                f_B_W, tau_B_W = f_B_W + self._pushed[0], tau_B_W + self._pushed[1]
-            self._push(f_B_W, tau_B_W)
+            self._push(*self._sprung(self._world.springs))
         if self._led:
+            side = self._stepper.here
             before = side.joint_qd.copy()
             self._lead(side, self._led)
             if self._towed and (before != side.joint_qd).any():
                 answer(self._world.vendor.newton, self._world.model, side.state, side.joint_qd, before)
+
+    def _sprung(self, springs: DistanceSprings) -> tuple[Floats, Floats]:
+        """Forces [N] and torques [N m] of the springs between points beside those from outside, each (n, 3), in W."""
+        present = State.empty(len(self._scene.bodies))
+        self.state(present)
+        f_B_W, tau_B_W = springs.forces(present)
+        return (f_B_W, tau_B_W) if self._pushed is None else (f_B_W + self._pushed[0], tau_B_W + self._pushed[1])
 
     def _after(self) -> None:
         """What is led comes to where its velocity brings it, whatever single precision makes of that."""

@@ -138,8 +138,9 @@ ADAPTER = NewtonAdapter(
                 "contact_damping_ratio": 1.2,
                 "limit_steps": 2.0,
             },
-            source="elliptic cones, impratio above 1: MuJoCo documentation, Modeling, preventing slip; contacts of at most 20 steps and "
-            "damping ratio 1.2, limits and dry friction of two steps and ratio 1.7: measured on MuJoCo itself (`adapters.mujoco`)",
+            source="elliptic cones, impratio above 1: MuJoCo documentation, Modeling, preventing slip; contacts of at most 20 "
+            "steps and damping ratio 1.2, limits and dry friction of two steps and ratio 1.7: measured on MuJoCo itself "
+            "(`adapters.mujoco`)",
         ),
     },
     known_failures={
@@ -190,12 +191,13 @@ ADAPTER = NewtonAdapter(
         Emulation(feature=Feature.MASS_POINT, how=POINTS_AS_BODIES),
         Emulation(
             feature=Feature.DISTANCE_SPRING,
-            how="Newton's solvers of rigid bodies have no spring between points of two of them; the adapter works out a pair of "
-            "forces for each sub-step",
+            how="Newton's solvers of rigid bodies have no spring between points of two of them; the adapter works out a pair "
+            "of forces for each sub-step",
         ),
         Emulation(
             feature=Feature.PRESCRIBED_MOTION,
-            how="a body that is led is put where its velocity brings it; what hangs on it keeps its momenta along its coordinates",
+            how="a body that is led is put where its velocity brings it; what hangs on it keeps its momenta along its own "
+            "coordinates",
         ),
         Emulation(
             feature=Feature.CLOSED_LOOP,

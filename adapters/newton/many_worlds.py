@@ -7,7 +7,7 @@ import numpy as np
 
 from plumbline.adapters.newton.joints import Driven
 from plumbline.adapters.newton.stepper import Stepper
-from plumbline.harness.adapter import Diverged, Notice, Settings
+from plumbline.harness.adapter import Notice, Settings
 from plumbline.harness.scene import Scene
 from plumbline.harness.trajectory import State
 
@@ -37,13 +37,9 @@ class NewtonWorlds:
 
     def _set_out(self) -> None:
         """Every world at the start of the scene, with what drives ask for."""
-        start, stepper, model = self._start, self._stepper, self._stepper.model
-        for side in stepper.sides:
-            for world in range(self._layout.count):
-                for k, row in zip(self._places, self._rows + world * self._each, strict=True):
-                    side.q[row, :3], side.q[row, 3:] = start.p_WB[k], np.roll(start.q_WB[k], -1)
-                    side.qd[row, :3], side.qd[row, 3:] = start.v_WB[k], start.w_WB[k]
-            stepper.invert(side)
+        stepper, model = self._stepper, self._stepper.model
+        for world in range(self._layout.count):
+            stepper.put(self._rows + world * self._each, self._start, self._places)
         joints = model.joint_count // self._layout.count
         for driven in self._layout.driven.values():
             aim = driven.aim(driven.drive.target)
@@ -69,17 +65,10 @@ class NewtonWorlds:
 
     def state(self, world: int, out: State) -> None:
         """Write the present state of a world into `out`. Raises: Diverged."""
-        start, side = self._start, self._stepper.here
+        start = self._start
         out.p_WB[:], out.q_WB[:], out.v_WB[:], out.w_WB[:] = start.p_WB, start.q_WB, start.v_WB, start.w_WB
-        if not self._begun:
-            return
-        rows, places = self._rows + world * self._each, self._places
-        turned = np.roll(side.q[rows, 3:], 1, axis=1).astype(np.float64)
-        norms = np.linalg.norm(turned, axis=1, keepdims=True)
-        if not norms.all():
-            raise Diverged("Newton: a quaternion became zero")
-        out.p_WB[places], out.q_WB[places] = side.q[rows, :3], turned / norms
-        out.v_WB[places], out.w_WB[places] = side.qd[rows, :3], side.qd[rows, 3:]
+        if self._begun:
+            self._stepper.get(self._rows + world * self._each, out, self._places)
 
     def warnings(self) -> tuple[Notice, ...]:
         """What is computed beside the scene, and what there was no room for."""

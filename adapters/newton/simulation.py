@@ -12,7 +12,7 @@ from plumbline.adapters.newton.joints import Driven
 from plumbline.adapters.newton.led import Led, answer, turned
 from plumbline.adapters.newton.stepper import Side, Stepper
 from plumbline.adapters.newton.vendor import Vendor, view
-from plumbline.harness.adapter import Diverged, Notice, Settings, Unsupported
+from plumbline.harness.adapter import Notice, Settings, Unsupported
 from plumbline.harness.adapter.distance_springs import DistanceSprings
 from plumbline.harness.adapter.what_goes_in import check_state, check_targets, check_velocities, check_wrench
 from plumbline.harness.scene import Camera, Scene, Vector3
@@ -61,12 +61,7 @@ class NewtonSimulation:
 
     def _set_out(self) -> None:
         """Both states at the start of the scene, and what drives ask for."""
-        start = self._start
-        for side in self._stepper.sides:
-            for k, row in zip(self._places, self._rows, strict=True):
-                side.q[row, :3], side.q[row, 3:] = start.p_WB[k], np.roll(start.q_WB[k], -1)
-                side.qd[row, :3], side.qd[row, 3:] = start.v_WB[k], start.w_WB[k]
-            self._stepper.invert(side)
+        self._stepper.put(self._rows, self._start, self._places)
         for driven in self._world.driven.values():
             self._aim(driven, driven.drive.target)
 
@@ -148,13 +143,7 @@ class NewtonSimulation:
         out.p_WB[:], out.q_WB[:], out.v_WB[:], out.w_WB[:] = start.p_WB, start.q_WB, start.v_WB, start.w_WB
         if not self._begun or not self._places:
             return
-        side, places, rows = self._stepper.here, self._places, self._rows
-        out.p_WB[places], out.v_WB[places], out.w_WB[places] = side.q[rows, :3], side.qd[rows, :3], side.qd[rows, 3:]
-        turned = np.roll(side.q[rows, 3:], 1, axis=1).astype(np.float64)
-        norms = np.linalg.norm(turned, axis=1, keepdims=True)
-        if not (np.isfinite(out.p_WB).all() and np.isfinite(norms).all() and norms.all()):
-            raise Diverged("Newton: a pose stopped being finite")
-        out.q_WB[places] = turned / norms
+        self._stepper.get(self._rows, out, self._places)
 
     def contacts(self) -> Contacts:
         """The points of the last sub-step, where they are at its end. Raises: Unsupported."""
@@ -216,19 +205,13 @@ class NewtonSimulation:
         return (*self._world.notices, *self._stepper.notices())
 
     def save(self) -> object:
-        """Poses, velocities and coordinates, and what MuJoCo-Warp starts its solver from."""
-        side = self._stepper.here
-        arrays = [a.copy() for a in (side.q, side.qd, side.joint_q, side.joint_qd)]
-        return arrays, [a.copy() for a in self._stepper.kept], [replace(way) for way in self._led], self._begun
+        """All that decides the future, bit for bit."""
+        return self._stepper.save(), [replace(way) for way in self._led], self._pushed, self._begun
 
     def restore(self, saved: object) -> None:
         """Back to a saved state."""
-        arrays, kept, led, self._begun = cast(tuple[list[Floats], list[Floats], list[Led], bool], saved)
-        side = self._stepper.here
-        for own, value in zip((side.q, side.qd, side.joint_q, side.joint_qd), arrays, strict=True):
-            own[:] = value
-        for own, value in zip(self._stepper.kept, kept, strict=True):
-            own[:] = value
+        arrays, led, self._pushed, self._begun = cast(tuple[list[Floats], list[Led], Any, bool], saved)
+        self._stepper.restore(arrays)
         self._led = [replace(way) for way in led]
 
     def close(self) -> None:

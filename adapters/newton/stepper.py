@@ -4,6 +4,7 @@ A step is some hundred kernels. Called one by one from Python they take a hundre
 that was captured of them (10 ms against 0.05 ms of MuJoCo-Warp's box on a plane), which is how Newton's own examples run.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,7 +12,7 @@ import numpy as np
 
 from plumbline.adapters.newton.vendor import Vendor, view
 from plumbline.harness.adapter import Diverged, Notice
-from plumbline.harness.trajectory import Floats
+from plumbline.harness.trajectory import Floats, Integers, State
 
 
 @dataclass(slots=True)
@@ -85,10 +86,29 @@ class Stepper:
         self._lost = self._lost or bool(self._overflow.any())
         self._now = 1 - self._now
 
-    def invert(self, side: Side) -> None:
-        """Coordinates and rates of the joints that the poses and velocities of a state mean."""
-        if self.model.joint_count:
-            self._vendor.newton.eval_ik(self.model, side.state, side.state.joint_q, side.state.joint_qd)
+    def put(self, rows: Sequence[int] | Integers, start: State, places: list[int]) -> None:
+        """Both states where bodies start, as bodies and as coordinates of joints.
+
+        Args: rows: Newton's numbers of the places.
+        """
+        rows = np.asarray(rows, dtype=np.int64)
+        for side in self.sides:
+            # What single precision has not becomes infinite, and is told in the first step.
+            with np.errstate(over="ignore"):
+                side.q[rows, :3], side.q[rows, 3:] = start.p_WB[places], np.roll(start.q_WB[places], -1, axis=1)
+                side.qd[rows, :3], side.qd[rows, 3:] = start.v_WB[places], start.w_WB[places]
+            if self.model.joint_count:
+                self._vendor.newton.eval_ik(self.model, side.state, side.state.joint_q, side.state.joint_qd)
+
+    def get(self, rows: Sequence[int] | Integers, out: State, places: list[int]) -> None:
+        """Write bodies into `out`. Args: rows: Newton's numbers of the places. Raises: Diverged."""
+        rows, side = np.asarray(rows, dtype=np.int64), self.here
+        turned = np.roll(side.q[rows, 3:], 1, axis=1).astype(np.float64)
+        norms = np.linalg.norm(turned, axis=1, keepdims=True)
+        if not (np.isfinite(side.q[rows, :3]).all() and np.isfinite(norms).all() and norms.all()):
+            raise Diverged("Newton: a pose stopped being finite")
+        out.p_WB[places], out.q_WB[places] = side.q[rows, :3], turned / norms
+        out.v_WB[places], out.w_WB[places] = side.qd[rows, :3], side.qd[rows, 3:]
 
     def follow(self, side: Side) -> None:
         """Poses and velocities of bodies that the coordinates and rates of a state mean."""
@@ -117,10 +137,23 @@ class Stepper:
         if not (np.isfinite(self.here.q).all() and np.isfinite(self.here.qd).all()):
             raise Diverged("Newton: a pose or velocity stopped being finite")
 
-    @property
-    def kept(self) -> tuple[Floats, ...]:
-        """Views of what the solver takes over from the last step."""
-        return () if self.solver is None or self._pipeline is not None else (view(self.solver.mjw_data.qacc_warmstart),)
+    def _decisive(self) -> list[Floats]:
+        """Views of all that decides the future: the present state, what drives ask for, what the solver takes over."""
+        here, control = self.here, self.control
+        told = [view(a) for a in (control.joint_target_q, control.joint_target_qd, control.joint_f) if a is not None]
+        over_mujoco = self.solver is not None and self._pipeline is None
+        kept = [view(self.solver.mjw_data.qacc_warmstart)] if over_mujoco else []
+        return [here.q, here.qd, here.f, here.joint_q, here.joint_qd, *told, *kept]
+
+    def save(self) -> list[Floats]:
+        """Copies of all that decides the future."""
+        return [array.copy() for array in self._decisive()]
+
+    def restore(self, saved: list[Floats]) -> None:
+        """Back to a saved state; forces act on both states."""
+        for own, value in zip(self._decisive(), saved, strict=True):
+            own[:] = value
+        self.there.f[:] = self.here.f
 
     def notices(self) -> tuple[Notice, ...]:
         """What there was no room for."""

@@ -1,4 +1,4 @@
-"""The packages of a zoo, in a folder of their own beside the environments of engines: files alone, without what their code needs.
+"""The packages of a zoo, in a folder beside the environments of engines: their files alone, without what their code needs.
 
 Some would bring a whole training stack along for the sake of a few robot files. What `pip install 'plumbline[zoo]'` has put
 beside plumbline is found first.

@@ -144,10 +144,8 @@ def _words(rows: Sequence[Row]) -> Iterator[str]:
     inside = {row["robot"] for row in rows if row["enters"]}
     engines = list(dict.fromkeys(row["engine"] for row in rows if row["engine"]))
     ran = {engine: {row["robot"] for row in rows if row["engine"] == engine and row["verdict"] in RUNS} for engine in engines}
-    yield (
-        f"{len(inside)} of {len(robots)} robots go in; {len(set.intersection(*ran.values())) if ran else 0} run on all of "
-        + (f"{', '.join(engines)}." if engines else "no engine.")
-    )
+    everywhere = len(set.intersection(*ran.values())) if ran else 0
+    yield f"{len(inside)} of {len(robots)} robots go in; {everywhere} run on all of {', '.join(engines) or 'no engine'}."
     for engine in engines:
         words = [row["verdict"] for row in rows if row["engine"] == engine and row["verdict"]]
         counted = ", ".join(f"{words.count(word)} {word}" for word in dict.fromkeys((*RUNS, *words)) if word in words)
@@ -157,15 +155,18 @@ def _words(rows: Sequence[Row]) -> Iterator[str]:
             yield f"{count} {stage}."
 
 
+def _verdict(row: Row) -> str:
+    """What became of a robot, in the room that a terminal has."""
+    return row["verdict"] or ("not run" if row["enters"] else f"{row['stage']}: {row['reason'][:90]}")
+
+
 TABLE = Table(
     columns=names(InZoo),
     objects=in_zoo,
     shown=(
         *plain("robot", "engine"),
         Column("dropped", lambda row: row["dropped"] or row["needed"]),
-        Column(
-            "verdict", lambda row: row["verdict"] or ("not run" if row["enters"] else f"{row['stage']}: {row['reason'][:90]}")
-        ),
+        Column("verdict", _verdict),
         Column("away", "away", ".2g"),
         Column("cost", "cost", ".2g"),
         *plain("cause"),

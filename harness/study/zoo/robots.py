@@ -6,7 +6,7 @@ cache, in a checkout that MENAGERIE_ROOT names, or with their publisher, from wh
 
 import importlib
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from importlib.metadata import Distribution, PackageNotFoundError, distribution
 from pathlib import Path
 from typing import Annotated, Any
@@ -16,7 +16,7 @@ from pydantic.dataclasses import dataclass as validated
 
 from plumbline.harness.intake.documents import document
 from plumbline.harness.intake.error import PlumblineError
-from plumbline.harness.intake.safe_text import readable
+from plumbline.harness.intake.safe_text import quoted, readable
 from plumbline.harness.intake.typed_fields import filled
 from plumbline.harness.scene.importers.companion import Companion
 from plumbline.harness.scene.values import FROZEN, Name
@@ -72,7 +72,7 @@ class Robot:
     version: str
     licence: str
     file: str
-    companion: Companion = Companion()
+    companion: Companion = field(default_factory=Companion)
 
 
 def robots(listing: Path = LIST) -> list[Robot]:
@@ -164,7 +164,6 @@ def chosen(all_robots: Sequence[Robot], globs: Sequence[str]) -> list[Robot]:
 
     for glob in globs:
         if not any(fnmatchcase(robot.name, glob) for robot in all_robots):
-            raise PlumblineError(
-                f"--case {glob!r} names no robot of the zoo, expected a pattern over names like {all_robots[0].name}"
-            )
+            known = f"expected a pattern over names like {all_robots[0].name}"
+            raise PlumblineError(f"--case {quoted(glob)} names no robot of the zoo, {known}")
     return [robot for robot in all_robots if not globs or any(fnmatchcase(robot.name, glob) for glob in globs)]

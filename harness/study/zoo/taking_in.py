@@ -1,4 +1,4 @@
-"""Taking a robot in: its file read with the least left out, and the least left out for each engine, each in a process of its own.
+"""Taking a robot in: its file is read with the least left out, then each engine asked for the least that lets it in.
 
 What one engine lacks is left out for all, so that all run the same robot: each that has it is also run with it, and what the
 omission changes is a number then (`harness.search.refined_ladder`).
@@ -74,7 +74,7 @@ def read_apart(folder: Path, robot: Robot, engines: Sequence[str]) -> tuple[Stag
     if not admitted:
         return "no engine", {"reason": "; ".join(f"{each.engine}: {each.reason}" for each in verdicts)}
     dropped = needed | {kind for each in admitted for kind in each.drops}
-    taken = replace(read.looking(dropped), name=robot.name, duration=DURATION)
+    taken = replace(read.looking(dropped), name=f"{robot.title}, {robot.package}", duration=DURATION)
     scene = keep(folder, taken)
     return "in", {
         "scene": str(scene.relative_to(folder)),

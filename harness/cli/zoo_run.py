@@ -149,8 +149,7 @@ def carried_out(
     cases = {case.name: case for path in paths for case in [plugins.case(f"{plugins.SCENE_PREFIX}{path}")]}
     guide = RobotByRobot(cases, workers, begun + total)
     with until(guide.end):
-        study = study_of(len(entries), total)
-        store = carry_out(study, folder, cases, adapters, workers=workers, resume=resume, guide=guide)
+        store = carry_out(study_of(), folder, cases, adapters, workers=workers, resume=resume, guide=guide)
     if guide.over:
         say(f"{total / 60:.0f} minutes are over; the same command with --resume goes on", err=True)
     return store

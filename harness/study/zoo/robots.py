@@ -5,7 +5,7 @@ cache, in a checkout that MENAGERIE_ROOT names, or with their publisher, from wh
 """
 
 import importlib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib.metadata import Distribution, PackageNotFoundError, distribution
 from pathlib import Path
@@ -42,12 +42,16 @@ class Listed:
 
 @validated(frozen=True, slots=True, kw_only=True, config=FROZEN)
 class Package:
-    """A package with robots. Terms: under: the folder of their files, as its list of files has it. licence: of those that
-    state none of their own."""
+    """A package with robots.
+
+    Terms: under: the folder of their files, as its list of files has it. licence: of those that state none of their own. roots:
+    by the name that files call it, the folder that package://NAME leads to, as the list of files has it.
+    """
 
     distribution: Name
     under: str
     licence: str
+    roots: dict[Name, str] = Field(default_factory=dict)
     robots: Annotated[tuple[Listed, ...], Field(min_length=1)]
 
 
@@ -63,7 +67,7 @@ class Robot:
     """One robot of the zoo.
 
     Terms: name: unique. package, version: what brings it along; version '' where that is not installed. file: within the
-    package; of the menagerie the name of a model. licence: of the robot, in the package's own words.
+    package; of the menagerie the name of a model. licence: of the robot, in the package's own words. roots: see `Package`.
     """
 
     name: str
@@ -72,6 +76,7 @@ class Robot:
     version: str
     licence: str
     file: str
+    roots: Mapping[str, str] = field(default_factory=dict)
     companion: Companion = field(default_factory=Companion)
 
 
@@ -86,6 +91,7 @@ def robots(listing: Path = LIST) -> list[Robot]:
             version=version_of(package.distribution),
             licence=each.licence or package.licence,
             file=f"{package.under}/{each.file}",
+            roots=package.roots,
             companion=each.companion,
         )
         for package in packages
@@ -130,6 +136,12 @@ def file_of(robot: Robot) -> Path:
     if not path.is_file():
         raise NotHere(f"{robot.package} {found.version} has no file {robot.file}")
     return path
+
+
+def roots_of(robot: Robot) -> dict[str, Path]:
+    """Where package://NAME leads to, by its name, for the files of a package that is installed."""
+    found = _distribution(robot.package)
+    return {} if found is None else {name: Path(str(found.locate_file(folder))) for name, folder in robot.roots.items()}
 
 
 def at_hand(robot: Robot) -> bool:

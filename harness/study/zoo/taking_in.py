@@ -6,14 +6,15 @@ omission changes is a number then (`harness.search.refined_ladder`).
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import combinations
 from pathlib import Path
 
-from plumbline.harness.case.undropped import KINDS, kinds_left_out
+from plumbline.harness.case.undropped import KINDS
 from plumbline.harness.intake.apart import NoAnswer, apart
 from plumbline.harness.intake.error import PlumblineError
 from plumbline.harness.intake.import_wishes import DROPPABLE, Drop, Wishes
 from plumbline.harness.intake.refusal import RobotError
-from plumbline.harness.scene import Scene
+from plumbline.harness.scene import Prismatic, Revolute, Scene
 from plumbline.harness.scene.importers.companion import Companion
 from plumbline.harness.scene.importers.imported import Imported
 from plumbline.harness.scene.importers.reading import imported, robot_of
@@ -26,9 +27,9 @@ from plumbline.harness.study.environments import elsewhere, project_folders
 from plumbline.harness.study.experiment import Experiment
 from plumbline.harness.study.expressed import Verdict
 from plumbline.harness.study.zoo.least_drops import Drops, least, least_for, subsets
-from plumbline.harness.study.zoo.robots import NotHere, Robot, file_of
+from plumbline.harness.study.zoo.robots import NotHere, Robot, file_of, roots_of
 
-PATIENCE = 240.0
+PATIENCE = 600.0
 """Seconds that a file may take to be read, its meshes among them."""
 WORDED = frozenset((*KINDS.values(), "self_collision"))
 """What a scene has words for and not every engine can express."""
@@ -122,7 +123,7 @@ def _read(path: Path, robot: Robot) -> tuple[_Reads, str, Drops, frozenset[str]]
 
     A robot with a floating root is dropped, one whose root is fixed swings. Raises: RobotError.
     """
-    of_file, _, wishes = robot_of(path, Wishes(root=robot.companion.root))
+    of_file, _, wishes = robot_of(path, Wishes(root=robot.companion.root, packages=roots_of(robot)))
     floats = robot.companion.root == "floating" or any(c.kind == "free" for link in of_file.links for c in link.coordinates)
     scenario = "drop" if floats else "swing"
     read = _Reads(of_file, robot.companion, replace(wishes, scenario="drop" if floats else "swing"))
@@ -130,8 +131,16 @@ def _read(path: Path, robot: Robot) -> tuple[_Reads, str, Drops, frozenset[str]]
     if needed is None:
         read[frozenset(wordless_kinds(of_file) | WORDED)]
         raise RobotError(f"{robot.file}: it cannot be read")
-    kinds = frozenset(kinds_left_out(read[needed | WORDED].scene, read[needed].scene)) - needed
-    return read, scenario, needed, kinds
+    return read, scenario, needed, kinds_of(read[needed].scene) - needed
+
+
+def kinds_of(scene: Scene) -> Drops:
+    """The kinds of `WORDED` that a scene has."""
+    joints = [joint for joint in scene.joints if isinstance(joint, Revolute | Prismatic)]
+    kinds = {kind for field, kind in KINDS.items() if any(getattr(joint, field) for joint in joints)}
+    touching = [body for body in scene.bodies if body.movable and body.collision]
+    within = any(scene.collides(a, b) for a, b in combinations(touching, 2))
+    return frozenset(kinds | ({"self_collision"} if within else set()))
 
 
 def _in_engine(engine: str, scenes: dict[Drops, Scene]) -> InEngine:

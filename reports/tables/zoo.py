@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from plumbline.harness.findings.tables.zoo import InZoo, in_zoo
+from plumbline.harness.findings.tables.zoo import RUNS, InZoo, in_zoo
 from plumbline.harness.store.store import Store
 from plumbline.reports.words.status import VERDICTS, Outcome
 
@@ -35,6 +35,12 @@ class Inside:
     about: InZoo
     left_out: str
     cells: Mapping[str, Cell]
+
+    @property
+    def runs_on(self) -> str:
+        """On how many engines it ran to its end, in words."""
+        count = sum(cell.of.verdict in RUNS for cell in self.cells.values())
+        return f"on {count} of {len(self.cells)} engines"
 
 
 def inside(store: Store) -> list[Inside]:

@@ -148,11 +148,12 @@ def _words(rows: Sequence[Row]) -> Iterator[str]:
     yield f"{len(inside)} of {len(robots)} robots go in; {everywhere} run on all of {', '.join(engines) or 'no engine'}."
     for engine in engines:
         words = [row["verdict"] for row in rows if row["engine"] == engine and row["verdict"]]
-        counted = ", ".join(f"{words.count(word)} {word}" for word in dict.fromkeys((*RUNS, *words)) if word in words)
+        counted = ", ".join(f"{word} {words.count(word)}" for word in dict.fromkeys((*RUNS, *words)) if word in words)
         yield f"{engine}: {counted or 'nothing was run'}."
-    for stage in ("not here", "not read", "refused", "no engine"):
-        if count := len({row["robot"] for row in rows if row["stage"] == stage}):
-            yield f"{count} {stage}."
+    outside = [row["stage"] for row in rows if not row["engine"]]
+    if outside:
+        counted = ", ".join(f"{stage} {outside.count(stage)}" for stage in dict.fromkeys(outside))
+        yield f"Of those that do not go in: {counted}."
 
 
 def _verdict(row: Row) -> str:

@@ -3,8 +3,11 @@
 import hashlib
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
+
+import psutil
 
 from plumbline.harness.run.progress import Progress
 from plumbline.harness.store import zoo_record
@@ -33,14 +36,16 @@ def taken_in(folder: Path, robots: Sequence[Robot], engines: Sequence[str], work
         return entry
 
     with Progress("taking in", len(new)) as progress, ThreadPoolExecutor(workers) as side_by_side:
-        waiting = side_by_side.map(take, new)
         try:
-            for entry in waiting:
+            for entry in side_by_side.map(take, new):
                 zoo_record.write(folder, entry)
                 known[entry.name] = entry
                 progress.advance(f"{entry.name} {entry.stage}")
         except BaseException:
             side_by_side.shutdown(wait=False, cancel_futures=True)
+            for child in psutil.Process().children(recursive=True):  # else whoever asked to stop would wait for them
+                with suppress(psutil.Error):
+                    child.kill()
             raise
     return [known[robot.name] for robot in robots]
 

@@ -188,9 +188,9 @@ def test_the_page_shows_each_robot_with_its_picture_or_its_reason(ran: Store) ->
     assert str(files["zoo.csv"]).startswith("robot,title,package,version,licence,stage,")
 
 
-def test_a_run_of_a_zoo_is_verified_with_its_entries(ran: Store, folder: Path) -> None:
+def test_a_run_of_a_zoo_is_verified_with_its_entries(ran: Store) -> None:
     assert [problem.path for problem in problems(ran.folder) if "zoo" in problem.path.parts[-2:]] == []
-    path = next((ran.folder / "zoo").glob("*.json"))
+    path = ran.folder / "zoo" / "tiny_zoo.arm.json"
     content = path.read_bytes()
     path.write_bytes(content.replace(b"tiny", b"Tiny", 1))
     try:

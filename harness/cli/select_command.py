@@ -167,9 +167,11 @@ def _known(store: "Store", need: tuple[str, ...]) -> tuple[str, ...]:
 def _print(store: "Store", answer: "Answer", preset: str) -> None:
     from plumbline.harness.findings.selection.words import (
         COLUMN_WORDS,
+        beyond,
         decisive,
         dropped_sentence,
         error_percent,
+        gaps,
         headline,
         percent,
         trade,
@@ -185,7 +187,7 @@ def _print(store: "Store", answer: "Answer", preset: str) -> None:
     say(headline(answer, called))
     if traded := trade(answer, called):
         say(traded)
-    for sentence in turn_sentences(answer.turns, called, called):
+    for sentence in filter(None, (beyond(answer, called, called), *turn_sentences(answer.turns, called, called))):
         say(sentence)
     sentence, command = decisive(answer, called, called)
     if sentence:
@@ -194,16 +196,16 @@ def _print(store: "Store", answer: "Answer", preset: str) -> None:
         say(f"  {command}")
     if answer.rank is not None:
         counted, evidence = answer.rank.counted, answer.evidence
-        columns = ["place", "engine", "settings", "first in", "passes", "speed", "error", "score"]
+        columns = ["place", "engine", "settings", "first in", "within", "speed", "error", "score"]
         columns += [f"{name} ({counted[name]})" for name in counted]
         rows = []
         for entry in answer.rank.places:
             shares = [f"{entry.by_criterion[name]:.2f}" for name in counted]
             speed, error = evidence.speed(entry.engine), evidence.error(entry.engine)
-            passed, judged = evidence.passed(entry.engine)
+            within, judged = evidence.within(entry.engine)
             score = f"{entry.score:.2f} ({entry.low:.2f} .. {entry.high:.2f})"
             figures = [
-                f"{passed}/{judged}" if judged else "-",
+                f"{within}/{judged}" if judged else "-",
                 "-" if speed is None else f"{float(f'{speed:.2g}'):g}x",
                 "-" if error is None else error_percent(error),
             ]
@@ -211,33 +213,13 @@ def _print(store: "Store", answer: "Answer", preset: str) -> None:
             track = evidence.tracks[entry.engine]
             rows.append([entry.number, called(entry.engine), track, first, *figures, score, *shares])
         heading = f"{100 * answer.wish.max_error:g} % error asked for{f' by preset {preset}' if preset else ''}"
-        print_table(f"{heading}; scores 0 to 1, in brackets the cases that count", columns, rows)
+        print_table(f"{heading}", columns, rows)
         for sentence in COLUMN_WORDS:
             say(sentence)
+        say("Score: 0 to 1, with its 95 % interval; beside a criterion, of how many cases.")
     for drop in answer.dropped:
         say(dropped_sentence(drop, called, called))
     for drop in answer.undecided:
         say(undecided_sentence(drop, called, called))
-    _print_gaps(answer)
-
-
-def _print_gaps(answer: "Answer") -> None:
-    """What there is no evidence of, so that nobody takes silence for a good mark."""
-    from plumbline.harness.findings.selection import CRITERIA
-
-    if answer.rank is None:
-        return
-    without = [name for name in CRITERIA if name not in answer.rank.counted and answer.wish.weight(name) > 0]
-    if without:
-        say(f"Not measured in this run: {', '.join(without)}.")
-    nominal = [key for key, speed in answer.evidence.speeds.items() if not speed.at_error]
-    if nominal:
-        error = f"{100 * answer.wish.max_error:g} %"
-        say(
-            f"Speed at {error} error is known in {len(answer.evidence.speeds) - len(nominal)} of {len(answer.evidence.speeds)} "
-            "pairs of engine and case; otherwise it is that of the cheapest run that passes. --evidence lists them."
-        )
-    if answer.evidence.incomplete:
-        pairs = answer.evidence.incomplete
-        cases = ", ".join(dict.fromkeys(case for _, case in pairs))
-        say(f"Not counted, since it is not known of every engine: {len(pairs)} pairs of criterion and case ({cases}).")
+    for sentence in gaps(answer):
+        say(sentence)

@@ -58,4 +58,6 @@ def error_against_speed(store: Store) -> Figure | None:
         "one, and the median of errors. Errors below a millionth of the scale stand there."
     )
     columns = ("engine", "setting", "case", "error", SPEED, "speed taken")
-    return Figure("error-and-speed", "Error against speed", caption, finished(layers, height=300), columns, cells, how)
+    return Figure(
+        "error-and-speed", "Error against speed, all cases", caption, finished(layers, height=300), columns, cells, how
+    )

@@ -17,7 +17,7 @@ from plumbline.reports.tables.failures import failing
 from plumbline.reports.tables.limit_table import limits_met
 from plumbline.reports.tables.own_scenes import by_case
 from plumbline.reports.tables.published import published_table
-from plumbline.reports.tables.selection import needs
+from plumbline.reports.tables.selection import answer, needs
 from plumbline.reports.tables.summary import sentences
 from plumbline.reports.tables.trial_results import answers, at_own_step
 from plumbline.reports.tables.verdicts import cells_by_family, tracks_of, verdicts
@@ -67,6 +67,7 @@ def render(store: Store) -> Mapping[str, Rendered]:
         described=bool(store.catalogue),
         needs=purposes,
         draws=DRAWS,
+        noisy=answer(store).noisy,
         sentences=sentences(store),
         picture=picture,
         ranked=[name for name in engines(store) if any(name in need.standings for need in purposes)],

@@ -13,7 +13,7 @@ from plumbline.reports.tables.selection import (
     answer,
     answers_by_purpose,
     asked_of_several,
-    evidence_rows,
+    evidence_by_purpose,
     live,
     notes_and_command,
     standings,
@@ -33,7 +33,7 @@ def render(store: Store) -> Mapping[str, str]:
     def called(name: str) -> str:
         return FAMILIES[name].lower() if name in FAMILIES else str(known[name]["title"])
 
-    rows = evidence_rows(store)
+    leaned_on = list(evidence_by_purpose(store))
     notes, command = notes_and_command(store, found)
     placed = [place.engine for place in found.rank.places] if found.rank is not None else []
     elsewhere = dict.fromkeys(name for each in answers_by_purpose(store).values() for name in each.evidence.engines)
@@ -50,12 +50,12 @@ def render(store: Store) -> Mapping[str, str]:
         headline=headline(found, titled),
         dropped=[dropped_sentence(drop, titled, called) for drop in found.dropped],
         criteria={name: meaning for name, meaning in CRITERIA.items() if any(key[0] == name for key in found.evidence.table)},
-        rows=[row for row in rows if row[1].value < 1],
-        full=sum(datum.value >= 1 for _, datum in rows),
+        evidence=[evidence for evidence, _ in leaned_on],
         live=live(store),
         setting_of=partial(setting_words, store),
     )
-    return {"select.html": page, "evidence.csv": sheet(listing.COLUMNS, listing.rows(found))}
+    sheets = {evidence.file: sheet(listing.COLUMNS, listing.rows(chosen)) for evidence, chosen in leaned_on}
+    return {"select.html": page} | sheets
 
 
 PAGE = Page(name="select", title="Select", order=5, render=render, concerns=concerns)

@@ -152,6 +152,7 @@
     for (const [e, what] of open) if (!reasons.has(e)) out.push(`Of ${engines[e].title} it is not known: ${what}.`);
     document.getElementById("left-out").textContent = out.join(" ");
     document.getElementById("purpose").textContent = wish.purpose.name ? wish.purpose.title : "All cases alike";
+    for (const part of document.querySelectorAll("[data-evidence]")) part.hidden = part.dataset.evidence !== wish.purpose.name;
     document.getElementById("why").textContent = wish.purpose.name ? `${wish.purpose.title}: ${wish.purpose.why}` : "";
     const { places, known } = left.length ? rank(left) : { places: [], known: { has: [] } };
     document.getElementById("headline").textContent = headline(places, known, reasons).replaceAll(" %", "\u00a0%");

@@ -2,7 +2,7 @@
 it out anew."""
 
 import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from glob import escape
@@ -19,8 +19,10 @@ from plumbline.harness.findings.selection.words import (
     CLEAR,
     FEW,
     SENTENCES,
+    beyond,
     decisive,
     error_percent,
+    gaps,
     percent,
     trade,
     turn_sentences,
@@ -45,23 +47,51 @@ def asked_of_several(store: Store) -> bool:
     return chosen.rank is not None and chosen.asked > 1
 
 
-def evidence_rows(store: Store) -> list[tuple[tuple[str, str, str], Datum]]:
-    """All data with their criteria, cases and engines, worst first."""
-    return sorted(answer(store).evidence.table.items(), key=lambda row: (row[1].value, *row[0]))
+@dataclass(frozen=True)
+class Grounds:
+    """What the answer for a purpose leans on.
+
+    Terms:
+        purpose: its name, '' of all cases alike. heading: what it is, in words.
+        rows: where an engine falls short of what is asked, worst first, by criterion, case and engine.
+        full: how many do not fall short. file: of all of them.
+    """
+
+    purpose: str
+    heading: str
+    rows: Sequence[tuple[tuple[str, str, str], Datum]]
+    full: int
+    file: str
+
+
+def evidence_by_purpose(store: Store) -> Iterator[tuple[Grounds, Answer]]:
+    """That of all cases alike, and that of each purpose, with the answers."""
+    for name, chosen in {"": answer(store), **answers_by_purpose(store)}.items():
+        rows = sorted(chosen.evidence.table.items(), key=lambda row: (row[1].value, *row[0]))
+        short = [row for row in rows if row[1].value < 1]
+        title = read_preset(name).title if name else "All cases alike"
+        heading = f"{title}: {len(chosen.evidence.cases)} cases, {amount(100 * chosen.wish.max_error)} % error asked for"
+        file = f"evidence-{name}.csv" if name else "evidence.csv"
+        yield Grounds(name, heading, short, len(rows) - len(short), file), chosen
 
 
 @dataclass(frozen=True)
 class Standing:
-    """An engine in the answer for a purpose. Terms: first: the share of resamples in which it leads, None where there is no
-    contest; share: the same in words; leads: is it named alone? passes: cases of those that count, '5/7'; speed: in the mean of
-    the cases, error: of the median case, in words; setting: its track in words, settings: what that means."""
+    """An engine in the answer for a purpose.
+
+    Terms:
+        first: the share of resamples in which it leads, None where there is no contest; share: the same in words.
+        leads: is it named alone? within: cases within the error asked for, of those that count, '5/7'.
+        speed: in the mean of the cases, error: of the median case, in words.
+        setting: its track in words, settings: what that means.
+    """
 
     engine: str
     number: int
     first: float | None
     share: str
     leads: bool
-    passes: str
+    within: str
     speed: str
     error: str
     track: str
@@ -144,14 +174,16 @@ def _need(store: Store, name: str, title: str, why: str, chosen: Answer, *, own:
 
 
 def notes_and_command(store: Store, chosen: Answer) -> tuple[list[str], str]:
-    """What the first two trade, what would turn the answer and what would decide it, in sentences, and the command for that."""
+    """What the first two trade, who is beyond the error asked for, what would turn the answer or decide it, and what is not
+    known; and the command that would decide it."""
     titled: Callable[[str], str] = partial(engine_title, store)
 
     def called(name: str) -> str:
         return FAMILIES[name].lower() if name in FAMILIES else str(cases(store)[name]["title"])
 
     what, command = decisive(chosen, titled, called)
-    sentences = [trade(chosen, titled), *turn_sentences(chosen.turns, titled, called), what]
+    sentences = [trade(chosen, titled), beyond(chosen, titled, called), *turn_sentences(chosen.turns, titled, called), what]
+    sentences += gaps(chosen)
     return [sentence for sentence in sentences if sentence], command
 
 
@@ -163,14 +195,14 @@ def standings(store: Store, chosen: Answer) -> list[tuple[Standing, Place]]:
 def _standing(store: Store, chosen: Answer, entry: Place) -> Standing:
     track = chosen.evidence.tracks[entry.engine]
     speed, error = chosen.evidence.speed(entry.engine), chosen.evidence.error(entry.engine)
-    passed, judged = chosen.evidence.passed(entry.engine)
+    within, judged = chosen.evidence.within(entry.engine)
     return Standing(
         engine=entry.engine,
         number=entry.number,
         first=None if chosen.alone else entry.first,
         share="" if chosen.alone else percent(entry.first),
         leads=bool(chosen.alone) or entry.first > CLEAR,
-        passes=f"{passed}/{judged}" if judged else "",
+        within=f"{within}/{judged}" if judged else "",
         speed="" if speed is None else f"{amount(speed, 2)}{TIMES}",
         error="" if error is None else error_percent(error),
         track=track,
@@ -219,7 +251,7 @@ def _purpose(store: Store, name: str, title: str, why: str, wish: Wish, chosen: 
     notes, command = notes_and_command(store, chosen)
     criteria = [criterion for criterion in CRITERIA if any(key[0] == criterion for key in evidence.table)]
     families = list(dict.fromkeys(evidence.families[case] for case in names))
-    shown = {s.engine: [s.passes, s.speed, s.error] for s, _ in standings(store, chosen)}
+    shown = {s.engine: [s.within, s.speed, s.error] for s, _ in standings(store, chosen)}
     cells: list[list[float | int]] = []
     for (criterion, case, engine), datum in evidence.table.items():
         values = [datum.value, datum.low, datum.high]

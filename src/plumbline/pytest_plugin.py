@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from plumbline.harness.conformance import ConformanceCheck
 
 TRACKS: tuple[Literal["default", "tuned"], ...] = ("default", "tuned")
-_KNOWN = "known: "
+_KNOWN = "known failure, to be taken out of the file if it passes: "
 """Begins the reason of a failure that a file of known ones expects."""
 SLOW_STEPS, SLOW_SECONDS = 20_000, 20.0
 """A case is slow if it takes more steps of a body, or more simulated time [s]."""
@@ -89,7 +89,8 @@ class _Listener:
     def pytest_terminal_summary(self, terminalreporter: Any) -> None:
         """Say what was written."""
         if self._written:
-            terminalreporter.write_line(f"{self._file}: {len(self._failed)} known failures written")
+            count = len(self._failed)
+            terminalreporter.write_line(f"{self._file}: {count} known failure{'' if count == 1 else 's'} written")
         else:
             terminalreporter.write_line(f"{self._file}: not written, the run did not end")
 
@@ -232,7 +233,11 @@ def pytest_collection_modifyitems(session: pytest.Session, config: pytest.Config
     engines, failures = config.getoption("--plumbline"), _known_failures(config)
     for mark in ("plumbline", *TRACKS) if engines else ():
         config.addinivalue_line("markers", f"{mark}: of Plumbline's tests")
-    for item in (item for engine in engines for item in _items(session, engine)):
+    added = [item for engine in engines for item in _items(session, engine)]
+    if added:  # so that pytest counts what was collected
+        report = pytest.CollectReport(nodeid="plumbline", outcome="passed", longrepr=None, result=[*added])
+        config.hook.pytest_collectreport(report=report)
+    for item in added:
         if reason := failures.pop(item.nodeid, ""):
             item.add_marker(pytest.mark.xfail(reason=reason, raises=Failed, strict=True))
         items.append(item)

@@ -35,7 +35,7 @@ def told(page: Any, found: Answer) -> None:
             place.engine,
             str(place.number),
             first or "\N{EN DASH}",
-            "{}/{}".format(*found.evidence.passed(place.engine)),
+            "{}/{}".format(*found.evidence.within(place.engine)),
             f"{place.score:.2f}",
         ]
         for place, first in zip(found.rank.places, share, strict=True)

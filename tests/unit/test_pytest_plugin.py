@@ -89,7 +89,7 @@ def test_a_wrong_engine_fails_where_its_physics_is_wrong_and_its_known_failures_
     (folder / "better.txt").write_text("plumbline::heavy::tuned::spin_principal - it turns too fast\n", encoding="utf-8")
     better = asked(folder, "--plumbline", "heavy", "-k", "tuned and spin_principal", "--plumbline-known", "better.txt")
     assert better.returncode == 1, "what improves is noticed"
-    assert "[XPASS(strict)] known: it turns too fast" in better.stdout
+    assert "[XPASS(strict)] known failure, to be taken out of the file if it passes: it turns too fast" in better.stdout
 
 
 @pytest.mark.parametrize(

@@ -236,7 +236,7 @@ def test_what_would_turn_the_answer_and_what_the_first_two_trade_is_told(tmp_pat
     assert [(turn.kind, turn.name, turn.first) for turn in found.turns if turn.kind == "criterion"] == [
         ("criterion", "speed", "dart")
     ]
-    assert trade(found, str) == ("mujoco passes 10 of 10 cases at 1 % error, dart 0; dart is 18\N{MULTIPLICATION SIGN} faster.")
+    assert trade(found, str) == ("mujoco has 10 of 10 cases within 1 %, dart 0; dart is 18\N{MULTIPLICATION SIGN} faster.")
 
 
 def test_the_ratio_told_is_that_of_the_speeds_shown_and_these_are_of_the_same_cases(tmp_path: Path) -> None:

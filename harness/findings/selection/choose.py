@@ -22,7 +22,8 @@ Alone = Literal["", "expresses", "left", "single"]
 class Answer:
     """wish: what was asked. evidence: it leans on. rank: of the engines left, None where none is. dropped: the others.
     undecided: requirements of which a bound leaves open whether an engine that is left meets them. turns: what would turn who
-    leads. decider: what would decide it, None where no single figure would. asked: how many engines could have been ranked."""
+    leads. decider: what would decide it, None where no single figure would. asked: how many engines could have been ranked.
+    noisy: how many timings of the run are, and how many there are."""
 
     wish: Wish
     evidence: Evidence
@@ -32,6 +33,7 @@ class Answer:
     turns: tuple[Turn, ...]
     decider: Decider | None = None
     asked: int
+    noisy: tuple[int, int] = (0, 0)
 
     @property
     def alone(self) -> Alone:
@@ -147,7 +149,13 @@ def choose(store: Store, wish: Wish, draws: int = DRAWS) -> Answer:
         turns=tuple(t for t in turns(evidence, wish) if t.first != order.places[0].engine) if order is not None else (),
         decider=decider(store, evidence, samples, wish) if samples is not None and several else None,
         asked=len(ranked),
+        noisy=_noisy(store),
     )
+
+
+def _noisy(store: Store) -> tuple[int, int]:
+    timed = store.trials["unstable_timing"].dropna().astype(bool)
+    return int(timed.sum()), len(timed)
 
 
 def _by_what_it_did(store: Store, engine: str, evidence: Evidence, wish: Wish) -> Dropped | None:

@@ -102,10 +102,15 @@ class Evidence:
         mine = [self.speeds[case, engine].times for case in self.compared if (case, engine) in self.speeds]
         return geometric_mean(mine) if mine and len(mine) == len(self.compared) else None
 
-    def passed(self, engine: str) -> tuple[int, int]:
+    def beyond(self, engine: str) -> tuple[str, ...]:
+        """The cases in which an engine errs by more than was asked, or breaks another check."""
+        judged = self.table.items()
+        return tuple(case for (of, case, name), datum in judged if (of, name) == ("accuracy", engine) and datum.value < 1)
+
+    def within(self, engine: str) -> tuple[int, int]:
         """In how many cases an engine errs by no more than was asked and holds every other check, and of how many."""
-        values = [datum.value for (of, _, name), datum in self.table.items() if (of, name) == ("accuracy", engine)]
-        return sum(value >= 1 for value in values), len(values)
+        judged = sum((of, name) == ("accuracy", engine) for of, _, name in self.table)
+        return judged - len(self.beyond(engine)), judged
 
 
 def _useful(times: float, decades: float) -> float:

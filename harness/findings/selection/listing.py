@@ -33,8 +33,8 @@ def ranking(answer: Answer) -> list[dict[str, Any]]:
                 "first": None if answer.alone else entry.first,
                 "speed": answer.evidence.speed(entry.engine),
                 "error": answer.evidence.error(entry.engine),
-                "passed": answer.evidence.passed(entry.engine)[0],
-                "judged": answer.evidence.passed(entry.engine)[1],
+                "within": answer.evidence.within(entry.engine)[0],
+                "judged": answer.evidence.within(entry.engine)[1],
                 "score": entry.score,
                 "low": entry.low,
                 "high": entry.high,
@@ -49,7 +49,7 @@ def ranking(answer: Answer) -> list[dict[str, Any]]:
     blank = dict.fromkeys(
         rows[0]
         if rows
-        else ("place", "first", "speed", "error", "passed", "judged", "score", "low", "high", "track", *CRITERIA, "alone")
+        else ("place", "first", "speed", "error", "within", "judged", "score", "low", "high", "track", *CRITERIA, "alone")
     )
     for drop in answer.dropped:
         why = f"{drop.requirement}: {drop.value}"

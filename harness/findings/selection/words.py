@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from plumbline.harness.findings.selection.choose import EXPRESSED, Answer
 from plumbline.harness.findings.selection.doubt import Turn
 from plumbline.harness.findings.selection.rank import DRAWS
-from plumbline.harness.findings.selection.wish import Dropped
+from plumbline.harness.findings.selection.wish import CRITERIA, Dropped
 
 Titled = Callable[[str], str]
 """From a name to what people call it."""
@@ -25,7 +25,7 @@ SENTENCES: Mapping[str, str] = {
 """What the first sentence can be, and what follows it; the script of the page on selection fills in the same ones."""
 COLUMN_WORDS = (
     f"First in: the share of {DRAWS} resamples (cases, timings and weights drawn anew) in which it leads; places go by it.",
-    "Passes: cases with no more than the error asked for, and every other check held.",
+    "Within: cases with no more than the error asked for, and every other check held.",
     "Speed: times real time, the geometric mean over the cases in which the engines have one. Error: that of the median case, "
     "in % of its scale.",
 )
@@ -36,6 +36,8 @@ FEW = 8
 """Cases below which a bootstrap over them says little: of seven the most that one can weigh is a seventh."""
 CERTAIN = 0.95
 """The share of resamples from which on nothing has to be decided."""
+NAMED = 3
+"""Cases of an engine that a sentence names; the others are counted."""
 TRADED, FASTER = 0.05, 1.1
 """How far apart two engines' means of a criterion have to be for it to be phrases, and the ratio of their speeds."""
 
@@ -94,7 +96,7 @@ _BETTER: Mapping[str, str] = {
 
 
 def trade(answer: Answer, titled: Titled) -> str:
-    """What the first two engines trade: 'MuJoCo is 3x faster; DART passes 6 of 7 cases at 1 % error, MuJoCo 4.'; '' if
+    """What the first two engines trade: 'MuJoCo is 3x faster; DART has 6 of 7 cases within 1 %, MuJoCo 4.'; '' if
     nothing sets them apart. Args: titled: an engine's name to its title."""
     if answer.rank is None or len(answer.rank.places) < 2:
         return ""
@@ -124,11 +126,51 @@ def _faster(answer: Answer, fast: str, slow: str) -> str:
 
 
 def _nearer(answer: Answer, near: str, far: str, titled: Titled) -> str:
-    """'passes 6 of 7 cases at 1 % error, MuJoCo 4'; of as many, that it misses the others by less."""
-    (most, cases), (least, _) = answer.evidence.passed(near), answer.evidence.passed(far)
+    """'has 6 of 7 cases within 1 %, MuJoCo 4'; of as many, that it misses the others by less."""
+    (most, cases), (least, _) = answer.evidence.within(near), answer.evidence.within(far)
     if most <= least:
-        return "misses by less in the cases that it does not pass"
-    return f"passes {most} of {cases} cases at {100 * answer.wish.max_error:g} % error, {titled(far)} {least}"
+        return "is beyond it by less in the other cases"
+    return f"has {most} of {cases} cases within {_asked(answer)}, {titled(far)} {least}"
+
+
+def _asked(answer: Answer) -> str:
+    return f"{100 * answer.wish.max_error:g} %"
+
+
+def beyond(answer: Answer, titled: Titled, called: Titled) -> str:
+    """In which cases engines are beyond the error asked for, or break another check; '' where none does.
+
+    Args: titled: an engine's name to its title. called: that of a case."""
+    parts = []
+    for entry in answer.rank.places if answer.rank is not None else ():
+        cases = [f"“{called(case)}”" for case in answer.evidence.beyond(entry.engine)]
+        if cases:
+            more = [f"{len(cases) - NAMED} more"] if len(cases) > NAMED + 1 else []
+            parts.append(f"{titled(entry.engine)} in {_listed((cases[:NAMED] if more else cases) + more)}")
+    return f"Beyond {_asked(answer)} or another bound: {'; '.join(parts)}." if parts else ""
+
+
+def gaps(answer: Answer) -> list[str]:
+    """What there is no evidence of, or rough evidence alone, so that nobody takes silence for a good mark."""
+    if answer.rank is None:
+        return []
+    sentences, evidence, (noisy, timed) = list[str](), answer.evidence, answer.noisy
+    if 2 * noisy > timed:
+        sentences.append(f"{noisy} of {timed} timings of this run are noisy: speeds are rough.")
+    without = [name for name in CRITERIA if name not in answer.rank.counted and answer.wish.weight(name) > 0]
+    if without:
+        sentences.append(f"Not measured in this run: {', '.join(without)}.")
+    exact = sum(speed.at_error for speed in evidence.speeds.values())
+    if exact < len(evidence.speeds):
+        sentences.append(
+            f"Speed at {_asked(answer)} error is known in {exact} of {len(evidence.speeds)} pairs of engine and case; else it "
+            "is that of the cheapest run that passes its case's own checks, at whatever error."
+        )
+    if evidence.incomplete:
+        cases = ", ".join(dict.fromkeys(case for _, case in evidence.incomplete))
+        count = len(evidence.incomplete)
+        sentences.append(f"Not counted, since it is not known of every engine: {count} pairs of criterion and case ({cases}).")
+    return sentences
 
 
 def decisive(answer: Answer, titled: Titled, called: Titled) -> tuple[str, str]:
@@ -143,9 +185,9 @@ def decisive(answer: Answer, titled: Titled, called: Titled) -> tuple[str, str]:
     took = f"{decider.runs} run{'' if decider.runs == 1 else 's'} of it here took {decider.seconds:.2g} s"
     first, low, high = titled(answer.rank.places[0].engine), percent(decider.low), percent(decider.high)
     then = f"{first}'s share will then lie between {low} and {high}"
+    start = "What would make it surer" if decider.low > CLEAR else "What would decide it"
     return (
-        f"What would decide it: to measure the {what} of {titled(decider.engine)} in “{called(decider.case)}” further; "
-        f"{then} ({took}).",
+        f"{start}: to measure the {what} of {titled(decider.engine)} in “{called(decider.case)}” further; {then} ({took}).",
         decider.command,
     )
 

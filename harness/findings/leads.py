@@ -4,6 +4,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from operator import attrgetter
 
+from plumbline.harness.findings.columns import known
 from plumbline.harness.findings.cost_point import CostPoint
 from plumbline.harness.findings.limits_found import CONSTANT, Hold, Search
 from plumbline.harness.findings.prices import Price
@@ -93,20 +94,13 @@ def _within(mine: Sequence[Search], budget: float) -> Reach:
 def _reach(search: Search, at: str, condition: float, last: Sequence[Hold]) -> Reach:
     hold = last[0] if last else None
     return Reach(
-        experiment=search.experiment,
-        case=search.case,
-        where=search.where,
-        axis=search.axis,
-        unit=search.unit,
-        engine=search.engine,
+        **known(search, "experiment", "case", "where", "axis", "unit", "engine", "setting", "substep"),
         at=at,
         condition=condition,
         parts=search.parts if at == "equal sub-step" else 0,
         held=None if hold is None else hold.value,
         reach=0.0 if hold is None else hold.reach,
         further=0.0 if hold is None else hold.further,
-        setting=search.setting,
-        substep=search.substep,
         cost=None if hold is None else hold.cost,
     )
 

@@ -9,8 +9,9 @@ import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from operator import attrgetter, itemgetter
-from statistics import median
+from statistics import geometric_mean, median
 from typing import Any, TypeVar
 
 from plumbline.harness.findings.agreement.found import AGREED_TRUTH
@@ -82,13 +83,29 @@ class Evidence:
     speeds: Mapping[tuple[str, str], Speed] = field(default_factory=dict)
     own: frozenset[str] = frozenset()
 
-    def typical(self, criterion: str, engine: str) -> float | None:
-        """The median over the cases of the error or the speed of an engine; None where it has none in half of them."""
-        figures = [
-            datum.figure for (of, _, name), datum in self.table.items() if (of, name) == (criterion, engine) and datum.figure
-        ]
-        counted = sum((of, name) == (criterion, engine) for of, _, name in self.table)
-        return median(figures) if figures and 2 * len(figures) >= counted else None
+    def error(self, engine: str) -> float | None:
+        """The median over the cases of an engine's error, a share of their scale; None where it has none in half of them."""
+        mine = [datum for (of, _, name), datum in self.table.items() if (of, name) == ("accuracy", engine)]
+        figures = [datum.figure for datum in mine if datum.figure is not None]
+        return median(figures) if figures and 2 * len(figures) >= len(mine) else None
+
+    @cached_property
+    def compared(self) -> tuple[str, ...]:
+        """The cases in which each engine has a speed, of the engines that have one in half of the cases."""
+        mine = {engine: {case for case, name in self.speeds if name == engine} for engine in self.engines}
+        fast = [cases for cases in mine.values() if 2 * len(cases) >= len(self.cases)]
+        return tuple(case for case in self.cases if fast and all(case in cases for cases in fast))
+
+    def speed(self, engine: str) -> float | None:
+        """The geometric mean of an engine's speeds over the cases `compared`, in times real time, so that ratios of such means
+        are means of ratios; None where it lacks one."""
+        mine = [self.speeds[case, engine].times for case in self.compared if (case, engine) in self.speeds]
+        return geometric_mean(mine) if mine and len(mine) == len(self.compared) else None
+
+    def passed(self, engine: str) -> tuple[int, int]:
+        """In how many cases an engine errs by no more than was asked and holds every other check, and of how many."""
+        values = [datum.value for (of, _, name), datum in self.table.items() if (of, name) == ("accuracy", engine)]
+        return sum(value >= 1 for value in values), len(values)
 
 
 def _useful(times: float, decades: float) -> float:

@@ -65,9 +65,9 @@ class Lead:
 
 def reaches(searches: Iterable[Search]) -> list[Reach]:
     """Every axis under every condition, engine by engine; axes that were not searched at equal sub-steps have times alone."""
-    told = (s for s in searches if not s.remedied and s.verdict not in ("unsupported", "unavailable", CONSTANT))
+    answered = (s for s in searches if not s.remedied and s.verdict not in ("unsupported", "unavailable", CONSTANT))
     reached: list[Reach] = []
-    for group in grouped(told, attrgetter("searched_along")).values():
+    for group in grouped(answered, attrgetter("searched_along")).values():
         for parts in sorted({search.parts for search in group if search.parts}):
             level = [search for search in group if search.parts == parts and search.fair]
             reached += _led([_reach(search, "equal sub-step", search.dt / parts, search.holds[-1:]) for search in level])

@@ -18,9 +18,7 @@ def render(store: Store) -> Mapping[str, str]:
     """The page."""
     groups = by_engine(store)
     versions = store.trials.groupby("engine")["engine_version"].first().astype(str).to_dict()
-    page = fill(
-        "findings.html", store, title="Findings", groups=groups, cases=cases(store), versions=versions.astype(str).to_dict()
-    )
+    page = fill("findings.html", store, title="Findings", groups=groups, cases=cases(store), versions=versions)
     return {"findings.html": page}
 
 

@@ -48,14 +48,14 @@ class Cost:
     track: str
     unit: str
     cpu: Interval | None
-    to_fastest: Interval | None
-    reference: Interval | None
-    reference_setting: str
+    to_fastest: Interval | None = None
+    reference: Interval | None = None
+    reference_setting: str = ""
     penetration: float | None
     residual: float | None
     error: float | None
     error_metric: str
-    best: bool
+    best: bool = False
     unstable: bool | None
     status: str
     reason: str

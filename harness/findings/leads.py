@@ -4,6 +4,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from operator import attrgetter
 
+from plumbline.harness.findings.columns import known
 from plumbline.harness.findings.cost_point import CostPoint
 from plumbline.harness.findings.limits_found import CONSTANT, Hold, Search
 from plumbline.harness.findings.prices import Price
@@ -64,9 +65,9 @@ class Lead:
 
 def reaches(searches: Iterable[Search]) -> list[Reach]:
     """Every axis under every condition, engine by engine; axes that were not searched at equal sub-steps have times alone."""
-    told = (s for s in searches if not s.remedied and s.verdict not in ("unsupported", "unavailable", CONSTANT))
+    answered = (s for s in searches if not s.remedied and s.verdict not in ("unsupported", "unavailable", CONSTANT))
     reached: list[Reach] = []
-    for group in grouped(told, attrgetter("searched_along")).values():
+    for group in grouped(answered, attrgetter("searched_along")).values():
         for parts in sorted({search.parts for search in group if search.parts}):
             level = [search for search in group if search.parts == parts and search.fair]
             reached += _led([_reach(search, "equal sub-step", search.dt / parts, search.holds[-1:]) for search in level])
@@ -93,20 +94,13 @@ def _within(mine: Sequence[Search], budget: float) -> Reach:
 def _reach(search: Search, at: str, condition: float, last: Sequence[Hold]) -> Reach:
     hold = last[0] if last else None
     return Reach(
-        experiment=search.experiment,
-        case=search.case,
-        where=search.where,
-        axis=search.axis,
-        unit=search.unit,
-        engine=search.engine,
+        **known(search, "experiment", "case", "where", "axis", "unit", "engine", "setting", "substep"),
         at=at,
         condition=condition,
         parts=search.parts if at == "equal sub-step" else 0,
         held=None if hold is None else hold.value,
         reach=0.0 if hold is None else hold.reach,
         further=0.0 if hold is None else hold.further,
-        setting=search.setting,
-        substep=search.substep,
         cost=None if hold is None else hold.cost,
     )
 

@@ -154,30 +154,9 @@ def searches_if_described(store: Store) -> tuple[Search, ...]:
     return searches(store) if store.catalogue else ()
 
 
-@dataclass(frozen=True, slots=True)
-class _Measured:
-    """What the ensembles of a run were found to do, by trial.
-
-    Terms: shares, starts, own: series of HELD, STARTS, OWN_CHECKS. signs: by metric, the share that broke by it. notices: what
-    was said. errors: HEADLINE, and its bar.
-    """
-
-    shares: "pd.Series[float]"
-    starts: "pd.Series[float]"
-    own: "pd.Series[float]"
-    signs: Mapping[str, Mapping[str, float]]
-    notices: Mapping[str, tuple[StoredNotice, ...]]
-    errors: Mapping[str, tuple[float, float]]
-
-
-def _measured(store: Store) -> _Measured:
-    table = store.measurements
-    shares, starts, own = (table[table["metric"] == name].set_index("trial")["value"] for name in (HELD, STARTS, OWN_CHECKS))
-    broke = table[table["metric"].str.startswith(BROKE_BY)]
-    signs = {str(trial): dict(zip(group["metric"], group["value"], strict=True)) for trial, group in broke.groupby("trial")}
-    worst = table[table["metric"] == HEADLINE]
-    errors = {str(row.trial): (float(row.value), float(row.at_most)) for row in worst.itertuples()}
-    return _Measured(shares, starts, own, signs, store.notices, errors)
+def _readings(store: Store, trial: str) -> Mapping[str, Mapping[str, Any]]:
+    """What was measured of a trial, by metric."""
+    return {row["metric"]: row for row in store.measured.get(trial, ())}
 
 
 @all_once
@@ -186,7 +165,6 @@ def searches(store: Store) -> Iterator[Search]:
     experiments = {experiment.name: experiment for experiment in experiments_of(store) if experiment.limit is not None}
     if not experiments:
         return
-    measured = _measured(store)
     trials = store.trials[store.trials["experiment"].isin(experiments)]
     for (name, case), mine in trials.groupby(["experiment", "case"], sort=False):
         by = _ruler(store, experiments[str(name)], str(case))
@@ -205,7 +183,7 @@ def searches(store: Store) -> Iterator[Search]:
             ["others", "step", "engine", "track", "parts", "remedy", "remedied"], sort=False
         ):
             side = (engine, track, int(parts))
-            yield _search(str(name), str(case), beside.get((others, step), ()), side, (remedy, remedied), group, by, measured)
+            yield _search(store, str(name), str(case), beside.get((others, step), ()), side, (remedy, remedied), group, by)
 
 
 def _outer(trials: pd.DataFrame) -> list[float]:
@@ -232,6 +210,7 @@ def _beside(
 
 
 def _search(
+    store: Store,
     name: str,
     case: str,
     beside: BesideValues,
@@ -239,7 +218,6 @@ def _search(
     help_: tuple[str, str],
     group: pd.DataFrame,
     by: Ruler,
-    measured: _Measured,
 ) -> Search:
     at = {row.value: row for row in group.itertuples()}
     interval = bracket({value: row.status for value, row in at.items()}, by)
@@ -247,7 +225,9 @@ def _search(
     last = max(at.values(), key=lambda row: by.place(row.value))
     reason = last.reason if interval.stopped or (broke is None and held is None) else ""
     tried = sorted(at, key=by.place)
-    along = tuple(Point(value, *measured.errors[at[value].trial]) for value in tried if at[value].trial in measured.errors)
+    worst = [(value, _readings(store, at[value].trial).get(HEADLINE)) for value in tried]
+    along = tuple(Point(value, float(row["value"]), float(row["at_most"])) for value, row in worst if row is not None)
+    broken, starts = {} if broke is None else _readings(store, broke.trial), _readings(store, last.trial).get(STARTS)
     if broke is not None and unchanged(along, by.axis.easy, by.axis.extreme):
         verdict = CONSTANT
     elif broke is not None:
@@ -273,11 +253,11 @@ def _search(
         extreme=by.axis.extreme,
         held=interval.held,
         broke=interval.broke,
-        share=None if broke is None else float(measured.shares.get(broke.trial, 0.0)),
-        signs=Signs() if broke is None else _signs(broke, measured),
+        share=None if broke is None else float(broken[HELD]["value"]) if HELD in broken else 0.0,
+        signs=Signs() if broke is None else _signs(broke, broken),
         verdict=verdict,
         reason=reason,
-        members=int(measured.starts.get(last.trial, last.members)),
+        members=int(last.members if starts is None else starts["value"]),
         values=len(at),
         cost=_number(held.rough_cost if held is not None else None),
         reach=reach,
@@ -289,8 +269,8 @@ def _search(
         substep=min(taken, default=None),
         step_cost=holds[-1].cost if holds else None,
         holds=holds,
-        own_holds=None if broke is None or broke.trial not in measured.own else bool(measured.own[broke.trial]),
-        noticed=() if broke is None else tuple(notice for notice in measured.notices[broke.trial] if notice.kind != "note"),
+        own_holds=bool(broken[OWN_CHECKS]["value"]) if OWN_CHECKS in broken else None,
+        noticed=() if broke is None else tuple(notice for notice in store.notices[broke.trial] if notice.kind != "note"),
         along=along,
     )
 
@@ -319,9 +299,9 @@ def _number(value: float | None) -> float | None:
     return None if value is None or value != value else float(value)
 
 
-def _signs(row: Any, measured: _Measured) -> Signs:
-    shares = measured.signs.get(row.trial, {})
-    counts = {name.removeprefix(BROKE_BY): round(share * measured.starts[row.trial]) for name, share in shares.items()}
+def _signs(row: Any, readings: Mapping[str, Mapping[str, Any]]) -> Signs:
+    shares = {name: reading["value"] for name, reading in readings.items() if name.startswith(BROKE_BY)}
+    counts = {name.removeprefix(BROKE_BY): round(share * readings[STARTS]["value"]) for name, share in shares.items()}
     return Signs(
         counts=tuple(sorted(counts.items(), key=lambda sign: -sign[1])), status=str(row.status), reason=str(row.reason)
     )

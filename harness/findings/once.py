@@ -19,11 +19,11 @@ def once(read: Callable[Concatenate["Store", P], T]) -> Callable[Concatenate["St
     """
 
     @wraps(read)
-    def kept(store: "Store", /, *told: P.args, **named: P.kwargs) -> T:
+    def kept(store: "Store", /, *question: P.args, **named: P.kwargs) -> T:
         answers: dict[Any, T] = vars(store).setdefault("_worked_out", {})
-        key = read, told, *named.items()
+        key = read, question, *named.items()
         if key not in answers:
-            answers[key] = read(store, *told, **named)
+            answers[key] = read(store, *question, **named)
         return answers[key]
 
     return kept

@@ -26,7 +26,7 @@ from plumbline.harness.findings.cost_point import CostPoint, foreseen
 from plumbline.harness.findings.once import once
 from plumbline.harness.findings.parameter_words import where_of
 from plumbline.harness.findings.samples import SampledBlock, samples_by_block
-from plumbline.harness.findings.search_effort import Effort, Ended, efforts
+from plumbline.harness.findings.search_effort import Ended, efforts
 from plumbline.harness.findings.steps_taken import substeps_of
 from plumbline.harness.statistics.bootstrap import drawn_in_groups, interval_of_drawn, medians, widening
 from plumbline.harness.statistics.pareto import on_front, price, prices_of_draws
@@ -223,7 +223,7 @@ class Prices:
         of_engine = {engine: [p for p in here if p.engine == engine] for engine in dict.fromkeys(trials["engine"])}
         lists = {engine: List(mine, draw, targets) for engine, mine in of_engine.items()}
         lacking = {e: without(trials[trials["engine"] == e], here, e) for e, costs in lists.items() if costs.best is None}
-        searched = {engine: _searched(of_engine[engine], spent) for engine, spent in efforts(self._store, trials).items()}
+        searched = {engine: _searched(of_engine[engine], *spent) for engine, spent in efforts(self._store, trials).items()}
         for k, target in enumerate(TARGETS):
             reached = {engine: costs.middle[k] for engine, costs in lists.items() if math.isfinite(costs.middle[k])}
             deployable = [engine for engine in reached if engine not in self._ours]
@@ -257,14 +257,14 @@ class Prices:
                 yield price
 
 
-def _searched(points: Sequence[CostPoint], spent: Effort) -> dict[str, Any]:
+def _searched(points: Sequence[CostPoint], tried: int, ended: Ended) -> dict[str, Any]:
     """The fields of a price that say what was tried."""
     finest = min(points, key=lambda point: point.dt, default=None)
     return {
         "finest_dt": finest and finest.dt,
         "finest_substeps": finest and finest.substeps,
-        "tried": spent.tried,
-        "ended": spent.ended,
+        "tried": tried,
+        "ended": ended,
     }
 
 

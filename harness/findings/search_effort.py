@@ -1,6 +1,5 @@
 """How many settings were tried for each case on each engine, and why a search for more of them ended."""
 
-from dataclasses import dataclass
 from typing import Literal
 
 import pandas as pd
@@ -15,23 +14,12 @@ ALIKE = 1.5
 """How many times as many settings may be tried of one engine as of another in the same case."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Effort:
-    """What was tried of a case on an engine.
+def efforts(store: Store, trials: pd.DataFrame) -> dict[str, tuple[int, Ended]]:
+    """By engine, of the trials of one case at one set of parameters: how many settings were tried, and why there are no more.
 
-    Terms: tried: settings whose answers differ, the ladder of both tracks among them; one that leaves every bit of a trajectory
-    as it was is no other. beyond: those that a sweep found beyond the ladder, of `room` that it had. ended: why there are no
-    more; 'nothing left to try' where knobs and steps were used up, or what is left takes too long.
+    Settings are others whose answers differ, the ladder of both tracks among them; one that leaves every bit of a trajectory as
+    it was is no other. 'nothing left to try' is where knobs and steps were used up, or what is left takes too long.
     """
-
-    tried: int
-    beyond: int
-    room: int
-    ended: Ended
-
-
-def efforts(store: Store, trials: pd.DataFrame) -> dict[str, Effort]:
-    """By engine, of the trials of one case at one set of parameters."""
     rooms = {experiment.name: experiment.sweep for experiment in experiments_of(store)}
     by_engine = {}
     rows = records(trials[["engine", "experiment", "trajectory_hash", "round"]])
@@ -41,5 +29,5 @@ def efforts(store: Store, trials: pd.DataFrame) -> dict[str, Effort]:
         beyond = len(answers - {row["trajectory_hash"] for row in mine if row["round"] == 0})
         spent = beyond >= room or sum(row["round"] > 0 for row in mine) >= RUNS * room
         ended: Ended = "no search" if not room else "all points spent" if spent else "nothing left to try"
-        by_engine[engine] = Effort(tried=len(answers), beyond=beyond, room=room, ended=ended)
+        by_engine[engine] = len(answers), ended
     return by_engine

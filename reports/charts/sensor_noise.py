@@ -33,8 +33,8 @@ def _points(store: Store, group: Sequence[SensorFinding], *names: str) -> tuple[
         if (curve := finding.curve) is not None:
             values = zip(curve.at, curve.found, curve.law, curve.low, curve.high, strict=True)
             count = {"count": curve.count, "beyond": curve.beyond} if curve.count else {}
-            said = _said(store, finding) | count
-            by_engine.append([said | dict(zip(names, map(float, value), strict=True)) for value in values])
+            labelled = _said(store, finding) | count
+            by_engine.append([labelled | dict(zip(names, map(float, value), strict=True)) for value in values])
     return [row for rows in by_engine for row in rows], [{name: row[name] for name in names} for row in by_engine[0]]
 
 

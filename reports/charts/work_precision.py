@@ -48,19 +48,14 @@ def drawn(store: Store, point: CostPoint) -> Row:
 
 def hover(unit: str) -> list[Any]:
     """What hovering over a point shows."""
-    words = {"engine": "engine", "setting": "setting", "step": "time step", "status": "outcome", "timing": "timing"}
-    words["trial"] = "trial"
-    numbers = {
-        "error": "error, of the scale",
-        "off": "the truth may be off by",
-        **({"pace": "times real time"} if unit == PER_SECOND else {}),
-        "cost": cost_title(unit),
-        "low": "95 % from [s]",
-        "high": "to [s]",
-    }
-    quantities = [channel(f"{key}:Q", title=title, format=".3~g") for key, title in numbers.items()]
-    named = [channel(f"{key}:N", title=title) for key, title in words.items()]
-    return [*named[:3], *quantities, *named[3:]]
+    paced = (("pace", "times real time"),) if unit == PER_SECOND else ()
+    errors = ("error", "error, of the scale"), ("off", "the truth may be off by")
+    costs = ("cost", cost_title(unit)), ("low", "95 % from [s]"), ("high", "to [s]")
+    return [
+        *hovering(("engine:N", "engine"), ("setting:N", "setting"), ("step:N", "time step")),
+        *(channel(f"{key}:Q", title=title, format=".3~g") for key, title in (*errors, *paced, *costs)),
+        *hovering(("status:N", "outcome"), ("timing:N", "timing"), ("trial:N", "trial")),
+    ]
 
 
 def cost_title(unit: str) -> str:

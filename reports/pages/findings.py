@@ -17,13 +17,9 @@ def concerns(store: Store) -> bool:
 def render(store: Store) -> Mapping[str, str]:
     """The page."""
     groups = by_engine(store)
-    page = fill("findings.html", store, title="Findings", groups=groups, cases=cases(store), versions=versions(store))
+    versions = store.trials.groupby("engine")["engine_version"].first().astype(str).to_dict()
+    page = fill("findings.html", store, title="Findings", groups=groups, cases=cases(store), versions=versions)
     return {"findings.html": page}
-
-
-def versions(store: Store) -> dict[str, str]:
-    """The version of each engine that the run was made with."""
-    return {str(name): str(version) for name, version in store.trials.groupby("engine")["engine_version"].first().items()}
 
 
 PAGE = Page(name="findings", title="Findings", order=80, render=render, concerns=concerns)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from plumbline.harness.findings.costs import Cost
+from plumbline.harness.statistics.interval import Interval
 from plumbline.harness.statistics.order import fit_order
 from plumbline.harness.store.store import Store
 from plumbline.reports.charts import errors, step_costs
@@ -54,7 +55,7 @@ def test_a_cost_keeps_its_ends_and_its_penetration_is_in_micrometres(store: Stor
         ("to_fastest", "reference", "residual", "error", "unstable"),
     ) | {"parameters": {}, "unit": "step", "reference_setting": "", "error_metric": "", "best": True, "reason": ""}
     row = Cost(
-        case="stack_tower", where="", engine="mujoco", track="tuned", cpu=3e-6, low=2e-6, high=5e-6, penetration=7e-6,
+        case="stack_tower", where="", engine="mujoco", track="tuned", cpu=Interval(3e-6, 2e-6, 5e-6), penetration=7e-6,
         status="passed", dt=0.01, trial="t", **cost,
     )  # fmt: skip
     told = step_costs.drawn(store, row)

@@ -68,8 +68,8 @@ def _counted(
         for name in {**now, **then}:
             before, after = then.get(name, none), now.get(name, none)
             if then.get(name) != now.get(name):
-                told = about(pair.b, name)
-                counts[Change(kind=kind, sense="neither", **told, metric=name, before=str(before), after=str(after))] += 1
+                where = about(pair.b, name)
+                counts[Change(kind=kind, sense="neither", **where, metric=name, before=str(before), after=str(after))] += 1
     yield from (replace(change, count=count) for change, count in counts.items())
 
 

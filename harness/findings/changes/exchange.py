@@ -11,6 +11,7 @@ from datetime import datetime
 from typing import Any
 
 from plumbline.harness.findings.parameter_words import where_of
+from plumbline.harness.statistics.interval import Interval
 from plumbline.harness.store.machine_fingerprint import machine_digest
 from plumbline.harness.store.record import digest
 from plumbline.harness.store.store import Store
@@ -26,9 +27,7 @@ class _Figure:
 
     benchmark: str
     settings: tuple[str, str, str]
-    value: float
-    low: float
-    high: float
+    value: Interval
 
 
 def _name(row: Any, store: Store) -> str:
@@ -36,6 +35,10 @@ def _name(row: Any, store: Store) -> str:
     where = where_of(store.catalogue, row.case, row.parameters)
     unit = row.unit if isinstance(row.unit, str) and row.unit != "step" else ""
     return str(row.case) + (f"({where})" if where else "") + (f".{unit}" if unit else "")
+
+
+def _settings(row: Any) -> tuple[str, str, str]:
+    return row.engine, row.track, f"{row.dt:.6g}"
 
 
 def _beside(row: Any) -> bool:
@@ -46,10 +49,8 @@ def _beside(row: Any) -> bool:
 def _prices(store: Store) -> Iterator[_Figure]:
     for row in store.asked.itertuples():
         if row.cpu_per_unit == row.cpu_per_unit and not _beside(row):
-            yield _Figure(
-                _name(row, store), (row.engine, row.track, f"{row.dt:.6g}"), float(row.cpu_per_unit),
-                float(row.cpu_per_unit_low), float(row.cpu_per_unit_high),
-            )  # fmt: skip
+            price = Interval(float(row.cpu_per_unit), float(row.cpu_per_unit_low), float(row.cpu_per_unit_high))
+            yield _Figure(_name(row, store), _settings(row), price)
 
 
 def _errors(store: Store) -> Iterator[_Figure]:
@@ -58,9 +59,8 @@ def _errors(store: Store) -> Iterator[_Figure]:
     for row in store.asked.itertuples():
         headline = values.get((str(row.trial), str(cases.get(row.case, {}).get("headline"))))
         if headline is not None and math.isfinite(headline.value):
-            off = float(getattr(headline, "truth_error", 0.0) or 0.0)
-            value = float(headline.value)
-            yield _Figure(_name(row, store), (row.engine, row.track, f"{row.dt:.6g}"), value, value - off, value + off)
+            off, value = float(getattr(headline, "truth_error", 0.0) or 0.0), float(headline.value)
+            yield _Figure(_name(row, store), _settings(row), Interval(value, value - off, value + off))
 
 
 def bencher(store: Store) -> dict[str, dict[str, dict[str, float]]]:
@@ -69,7 +69,13 @@ def bencher(store: Store) -> dict[str, dict[str, dict[str, float]]]:
     for measure, scale, figures in (("latency", 1e9, _prices(store)), ("error", 1.0, _errors(store))):
         for figure in figures:
             name = "/".join((figure.benchmark, *figure.settings))
-            value = {"value": scale * figure.value, "lower_value": scale * figure.low, "upper_value": scale * figure.high}
+            value = dict(
+                zip(
+                    ("value", "lower_value", "upper_value"),
+                    (scale * each for each in (figure.value.value, *figure.value.ends)),
+                    strict=True,
+                )
+            )
             made.setdefault(name, {})[measure] = value
     return made
 
@@ -84,14 +90,15 @@ def asv(store: Store) -> dict[str, Any]:
             mine = {figure.settings: figure for figure in figures if figure.benchmark == benchmark}
             axes = [list(dict.fromkeys(settings[k] for settings in mine)) for k in range(3)]
             grid = [mine.get((engine, track, dt)) for engine in axes[0] for track in axes[1] for dt in axes[2]]
+            value, low, high = ([None if each is None else each.value[k] for each in grid] for k in range(3))
             results[f"plumbline.{prefix}_{benchmark}"] = [
-                [None if figure is None else figure.value for figure in grid],
+                value,
                 [[f"'{value}'" for value in axis] for axis in axes],
                 "1",
                 started,
                 0.0,
-                [None if figure is None else figure.low for figure in grid],
-                [None if figure is None else figure.high for figure in grid],
+                low,
+                high,
             ]
     properties = {"machine": machine_digest(machine) or "unknown", "cpu": str(machine.get("processor", "")),
                   "num_cpu": str(machine.get("cores", "")), "os": str(machine.get("system", "")),

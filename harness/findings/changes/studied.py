@@ -10,6 +10,7 @@ from plumbline.harness.findings.agreement.found import agreements
 from plumbline.harness.findings.agreement.values import Agreement, Side, Word
 from plumbline.harness.findings.changes.matching import scene_of
 from plumbline.harness.findings.changes.values import Change, Sense
+from plumbline.harness.findings.columns import known
 from plumbline.harness.findings.limits_found import Search, searches
 from plumbline.harness.findings.tables.determinism import Repetition, repetitions
 from plumbline.harness.store.store import Store
@@ -62,13 +63,9 @@ def _moved(before: Search, after: Search) -> Change:
     return Change(
         kind="limit",
         sense=_sense_of_limits(before, after),
-        case=after.case,
-        engine=after.engine,
+        **known(after, "case", "engine", "where", "dt", "unit"),
         track=after.setting,
-        where=after.where,
-        dt=after.dt,
         metric=after.axis,
-        unit=after.unit,
         trial_a=before.trial_broke or before.trial_held,
         trial_b=after.trial_broke or after.trial_held,
         before=before.verdict if before.held is None else before.held,
@@ -94,9 +91,7 @@ def lost_and_won(before: Mapping[Any, Repetition], after: Mapping[Any, Repetitio
             yield Change(
                 kind="determinism",
                 sense="worse" if now.verdict == _DIFFERS else "better",
-                case=now.case,
-                engine=now.engine,
-                track=now.track,
+                **known(now, "case", "engine", "track"),
                 metric=now.way,
                 trial_a=then.trial,
                 trial_b=now.trial,
@@ -132,8 +127,7 @@ def changed_words(agreed: Iterable[Agreement], agreed_again: Iterable[Agreement]
                     kind="verdict",
                     sense=_sense_of_words(earlier.word, side.word),
                     case=one.case,
-                    engine=side.engine,
-                    track=side.track,
+                    **known(side, "engine", "track"),
                     metric="limit",
                     before=earlier.word,
                     after=side.word,

@@ -145,8 +145,8 @@ def _of_cases(data: Mapping[_By, Datum], cases: Mapping[str, float]) -> dict[_By
 @once
 def _judged(store: Store) -> Mapping[Side, list[dict[str, Any]]]:
     """The trials that say something of an engine, with the columns `_JUDGED`, by case, engine and track."""
-    told = store.asked.loc[~store.asked["status"].isin(_NOT_ASKED), _JUDGED]
-    return grouped(records(told), itemgetter("case", "engine", "track"))
+    judged = store.asked.loc[~store.asked["status"].isin(_NOT_ASKED), _JUDGED]
+    return grouped(records(judged), itemgetter("case", "engine", "track"))
 
 
 @once
@@ -224,9 +224,9 @@ def _limits(store: Store) -> dict[tuple[str, str], Datum]:
 
 @once
 def _determinism(store: Store) -> dict[tuple[str, str], Datum]:
-    told = (each for each in repetitions(store) if each.must and each.verdict in ("bit-identical", "differs"))
+    binding = (each for each in repetitions(store) if each.must and each.verdict in ("bit-identical", "differs"))
     data = {}
-    for key, mine in grouped(told, attrgetter("case", "engine")).items():
+    for key, mine in grouped(binding, attrgetter("case", "engine")).items():
         same = sum(each.verdict == "bit-identical" for each in mine)
         says = f"{same} of {len(mine)} repetitions have the same bits"
         data[key] = Datum.of(same / len(mine), trial=mine[0].trial, says=says)

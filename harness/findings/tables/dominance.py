@@ -125,7 +125,11 @@ def _of_scene(store: Store, scene: Sequence[Row], samples: Sampled) -> list[Trie
         for row in scene
         if row["track"] != "tuned"
     }
-    single = [_judged(row, blank, _turn(settings, row), beside, scene, given, track, engine["trade_offs"]) for row in tried]
+    turns = {
+        row["trial"]: None if row["track"] == "default" else turn_between(settings, json.loads(row["settings"]))
+        for row in tried
+    }
+    single = [_judged(row, blank, turns[row["trial"]], beside, scene, given, track, engine["trade_offs"]) for row in tried]
     idle = [replace(blank, change=str(Turn(*turn)), verdict=IDLE) for turn in store.idle.get(track["trial"], ())]
     used = {change.reason for change in single if change.verdict == EXCUSED}
     stale = [
@@ -134,11 +138,6 @@ def _of_scene(store: Store, scene: Sequence[Row], samples: Sampled) -> list[Trie
         if track["case"] in one["cases"] and list(one["at"]) != ["ladder"] and not blank.where and one["why"] not in used
     ]
     return [*_folded([*single, *idle]), *stale]
-
-
-def _turn(settings: Mapping[str, Any], row: Row) -> Turn | None:
-    """What was turned; None for the track 'default'."""
-    return None if row["track"] == "default" else turn_between(settings, json.loads(row["settings"]))
 
 
 def _beside(store: Store, question: Question, track: Row | None, row: Row, samples: Sampled) -> _Beside:
@@ -181,7 +180,7 @@ def _judged(
         return replace(change, verdict=_unanswered(row, track), reason=str(row["reason"]))
     drawn = [other for other in scene if other["round"] == 2 and other["track"] == row["track"]]
     answered = [other for other in drawn if beside[other["trial"]].compared is not None]
-    why = _excuse(blank.case, turn, trade_offs)
+    why = next((str(one["why"]) for one in trade_offs if blank.case in one["cases"] and _names(one, turn)), "")
     verdict = (EXCUSED if why else DOMINATED) if own.by else NO_BETTER
     if not own.by and row["trajectory_hash"] == track["trajectory_hash"]:
         verdict = SAME
@@ -213,11 +212,6 @@ def _told(row: Row, there: _Beside, given: Mapping[str, Any]) -> str:
     """A drawn scene in words: 'speed 1.0 wins by price'."""
     fared = str(row["status"]) if there.compared is None else f"wins by {there.by}" if there.by else "does not win"
     return f"{in_words(other_values(json.loads(row['parameters']), given))} {fared}"
-
-
-def _excuse(case: str, turn: Turn | None, trade_offs: Sequence[Mapping[str, Any]]) -> str:
-    """The adapter's reason for a change that beats its track; '' without one."""
-    return next((str(one["why"]) for one in trade_offs if case in one["cases"] and _names(one, turn)), "")
 
 
 def _names(trade_off: Mapping[str, Any], turn: Turn | None) -> bool:

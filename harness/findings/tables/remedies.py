@@ -6,7 +6,7 @@ from typing import Any
 
 import pandas as pd
 
-from plumbline.harness.findings.columns import Cell, Column, Table, names, scene
+from plumbline.harness.findings.columns import Cell, Column, Table, known, names, scene
 from plumbline.harness.findings.limits_found import Search, amount, searches
 from plumbline.harness.store.store import Store
 from plumbline.harness.trial.ensemble import HELD
@@ -74,19 +74,12 @@ def _row(
         verdict = "no help" if after == share else "harms"
     ratio = first["rough_cost"] / before["rough_cost"]
     return Remedied(
-        case=search.case,
+        **known(search, "case", "engine", "track", "axis", "unit", "remedy", "held", "broke"),
         where=sick.where,
-        engine=search.engine,
-        track=search.track,
-        axis=search.axis,
-        unit=search.unit,
         value=float("nan") if sick.broke is None else sick.broke,
         signs=sick.signs.text,
-        remedy=search.remedy,
         share_before=share,
         share_after=after,
-        held=search.held,
-        broke=search.broke,
         farther=max(0.0, search.reach - sick.reach),
         cost_ratio=None if ratio != ratio else float(ratio),
         verdict=verdict,

@@ -117,14 +117,10 @@ class Scaling:
             cpu=None
             if cpu is None
             else Interval(cpu, _number(row.get("cpu_per_unit_low")), _number(row.get("cpu_per_unit_high"))),
-            to_fastest=None,
-            reference=None,
-            reference_setting="",
             penetration=next((_number(values[name]) for name in PENETRATION if name in values), None),
             residual=next((_number(values[name]) for name in RESIDUAL if name in values), None),
             error=_number(values.get(headline)),
             error_metric=headline,
-            best=False,
             unstable=None if pd.isna(unstable) else bool(unstable),
             status=row["status"],
             reason="; ".join([row["reason"], *trouble]) if row["status"] != "passed" else "; ".join(trouble),

@@ -36,11 +36,11 @@ def source_changes(pairs: Sequence[TrialPair]) -> Iterator[Change]:
     def about(row: Any, origin: str) -> dict[str, str]:
         return {"engine": row.engine if origin == "adapter" else "", "case": row.case if origin == "case" else ""}
 
-    def texts(row: Any) -> dict[str, str]:
-        said = json.loads(getattr(row, "sources", "{}"))
-        return {origin: digest for origin, digest in said.items() if origin != "acting"}  # told as the case's
+    def read(row: Any) -> dict[str, str]:
+        told = json.loads(getattr(row, "sources", "{}"))
+        return {origin: digest for origin, digest in told.items() if origin != "acting"}
 
-    return _counted("sources", pairs, texts, about, "")
+    return _counted("sources", pairs, read, about, "")
 
 
 def setting_changes(pairs: Sequence[TrialPair]) -> Iterator[Change]:

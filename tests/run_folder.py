@@ -146,6 +146,7 @@ def row(case: str, engine: str, track: str, dt: float, **changes: Any) -> dict[s
         "rough_ratio": math.nan, "clocks": "work", "workers": 1, "round": 0, "alteration": "{}", "members": 1, "remedy": "",
         "remedied": "", "substep": math.nan, "parts": 0, "sources": "{}", "answered_on": "", "clocked_on": "", "clocked": "",
         "emulated": math.nan, "timing_note": "", "recalled": "", "again": "", "trajectory_kept": True,
+        "motion": "", "simulated_as": "",
     }  # fmt: skip
     return plain | changes
 

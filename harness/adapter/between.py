@@ -31,20 +31,20 @@ class Chain:
 
 def chains(scene: Scene) -> list[Chain]:
     """All chains of a scene, each from its base on."""
-    place = {body.name: k for k, body in enumerate(scene.bodies)} | {WORLD: -1}
-    on = {joint.parent: (k, joint.child) for k, joint in enumerate(scene.joints) if scene.bodies[place[joint.child]].massless}
+    index = {body.name: k for k, body in enumerate(scene.bodies)} | {WORLD: -1}
+    on = {joint.parent: (k, joint.child) for k, joint in enumerate(scene.joints) if scene.bodies[index[joint.child]].massless}
     massless = {body.name for body in scene.bodies if body.massless}
-    found = []
+    whole = []
     for k, joint in enumerate(scene.joints):
         if joint.child not in massless or joint.parent in massless:
             continue
-        joints, bodies = [k], [place[joint.child]]
+        joints, bodies = [k], [index[joint.child]]
         while scene.bodies[bodies[-1]].name in on:
             number, child = on[scene.bodies[bodies[-1]].name]
             joints.append(number)
-            bodies.append(place[child])
-        found.append(Chain(place[joint.parent], tuple(joints), tuple(bodies)))
-    return found
+            bodies.append(index[child])
+        whole.append(Chain(index[joint.parent], tuple(joints), tuple(bodies)))
+    return whole
 
 
 def write_between(scene: Scene, chain: Chain, coordinate: Floats, rate: Floats, out: State) -> None:
@@ -60,8 +60,8 @@ def write_between(scene: Scene, chain: Chain, coordinate: Floats, rate: Floats, 
         w = out.w_WB[chain.base].copy()
         # Of what moves with the base and is at the world's origin now.
         v = out.v_WB[chain.base] - np.cross(w, out.p_WB[chain.base])
-    for number, place, x, x_rate in zip(chain.joints, chain.bodies, coordinate.tolist(), rate.tolist(), strict=True):
-        joint, body = scene.joints[number], scene.bodies[place]
+    for number, behind, x, x_rate in zip(chain.joints, chain.bodies, coordinate.tolist(), rate.tolist(), strict=True):
+        joint, body = scene.joints[number], scene.bodies[behind]
         assert isinstance(joint, Revolute | Prismatic)
         axis, anchor = R @ np.array(joint.axis_W), R @ np.array(joint.anchor_W) + t
         if isinstance(joint, Revolute):
@@ -73,5 +73,5 @@ def write_between(scene: Scene, chain: Chain, coordinate: Floats, rate: Floats, 
         else:
             t, v = t + (x - joint.position) * axis, v + x_rate * axis
         p = R @ np.array(body.p_WB) + t
-        out.p_WB[place], out.q_WB[place] = p, multiply(tuple(turned.tolist()), body.q_WB)
-        out.v_WB[place], out.w_WB[place] = v + np.cross(w, p), w
+        out.p_WB[behind], out.q_WB[behind] = p, multiply(tuple(turned.tolist()), body.q_WB)
+        out.v_WB[behind], out.w_WB[behind] = v + np.cross(w, p), w

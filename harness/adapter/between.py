@@ -11,8 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from plumbline.harness.adapter.contract import Unsupported
 from plumbline.harness.adapter.rotations import matrix
-from plumbline.harness.scene import WORLD, Prismatic, Revolute, Scene, axis_angle, multiply
+from plumbline.harness.scene import WORLD, Effect, Prismatic, Revolute, Scene, axis_angle, multiply
 from plumbline.harness.trajectory import Floats, State
 
 
@@ -27,6 +28,17 @@ class Chain:
     base: int
     joints: tuple[int, ...]
     bodies: tuple[int, ...]
+
+
+def on_massless(scene: Scene) -> frozenset[str]:
+    """The names of the joints that end at a body without mass, which no constraint between free bodies can stand for.
+
+    Raises: Unsupported, where there are any, and the scene leaves joints out.
+    """
+    massless = {body.name for body in scene.bodies if body.massless}
+    if massless and Effect.JOINTS not in scene.effects:
+        raise Unsupported(f"body '{min(massless)}' without mass", "it stands between joints, which the scene leaves out")
+    return frozenset(joint.name for joint in scene.joints if {joint.parent, joint.child} & massless)
 
 
 def chains(scene: Scene) -> list[Chain]:

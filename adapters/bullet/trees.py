@@ -8,6 +8,7 @@ import numpy as np
 
 from plumbline.adapters.bullet.frames import matrices, xyzw
 from plumbline.harness.adapter import Unsupported
+from plumbline.harness.adapter.between import on_massless
 from plumbline.harness.adapter.carried_laws import carried, followed
 from plumbline.harness.adapter.disjoint_sets import DisjointSets
 from plumbline.harness.adapter.fast_rotors import fast_rotors
@@ -74,7 +75,7 @@ def constrained_joints(scene: Scene, joints: Sequence[Joint], choice: str) -> fr
     if choice == "links" or not joints:
         return frozenset()
     plain = [joint for joint in joints if isinstance(joint, Ball | Fixed | Revolute) and not loaded(joint)]
-    free = frozenset(joint.name for joint in plain) - followed(scene)
+    free = frozenset(joint.name for joint in plain) - followed(scene) - on_massless(scene)
     return free if choice == "constraints" else fast_tops(scene) | (fast_rotors(scene).hinges & free)
 
 
@@ -97,7 +98,7 @@ def spanning_trees(scene: Scene, joints: Sequence[Joint], constrained: Container
 
     ends = {j.name: (ground(j.parent, j.child), ground(j.child, j.parent)) for j in joints}
     grounds = sorted({end for pair in ends.values() for end in pair if end.startswith("\n")})
-    others = followed(scene)
+    others = followed(scene) | on_massless(scene)
     ordered = sorted(joints, key=lambda j: (not loaded(j) and j.name not in others, j.type == "ball", j.type == "fixed"))
     forest = spanning_forest((j for j in ordered if j.name not in constrained), lambda j: ends[j.name])
     looping = {joint.name for joint in forest.closing}

@@ -65,9 +65,9 @@ def add_bodies(built: Built, edges: list[Edge], coefficients: Mapping[Kind, tupl
         built.world.addSkeleton(skeleton)
 
 
-def _inertia(built: Built, place: int) -> Any:
+def _inertia(built: Built, i: int) -> Any:
     """Mass and inertia of a body; of one without mass `FAINT` of those of the lightest body of the scene that has some."""
-    body, Inertia = built.scene.bodies[place], built.dart.dynamics.Inertia
+    body, Inertia = built.scene.bodies[i], built.dart.dynamics.Inertia
     if not body.massless:
         return Inertia(body.mass, np.zeros(3), np.asarray(body.inertia))
     solid = [other for other in built.scene.bodies if other.movable and not other.massless]

@@ -7,6 +7,7 @@ import numpy as np
 
 from plumbline.adapters.dart.spinning_tops import spins
 from plumbline.harness.adapter import Unsupported
+from plumbline.harness.adapter.between import on_massless
 from plumbline.harness.adapter.carried_laws import carried
 from plumbline.harness.adapter.fast_rotors import fast_rotors
 from plumbline.harness.adapter.spanning_forest import spanning_forest
@@ -33,8 +34,9 @@ def forest(scene: Scene, joints: tuple[Joint, ...], constrained: list[Joint]) ->
     Raises: Unsupported.
     """
     moving = [i for i, b in enumerate(scene.bodies) if b.motion != "static"]
+    between = on_massless(scene)
     trees = spanning_forest(
-        sorted((joint for joint in joints if joint not in constrained), key=cuttable),
+        sorted((joint for joint in joints if joint not in constrained), key=lambda j: j.name not in between and cuttable(j)),
         lambda joint: ends(scene, joint),
         ground=(WORLD_FRAME, *(i for i in moving if not scene.bodies[i].movable)),
     )
@@ -68,10 +70,12 @@ def constrained_joints(scene: Scene, joints: tuple[Joint, ...], how: str) -> lis
     """
     if how == "coordinates":
         return []
+    between = on_massless(scene)
+    free = tuple(joint for joint in joints if joint.name not in between)
     if how == "constraints":
-        return [joint for joint in joints if cuttable(joint)]
+        return [joint for joint in free if cuttable(joint)]
     rotors = fast_rotors(scene).hinges
-    return [joint for joint in joints if (joint.name in rotors and cuttable(joint)) or _holds_a_top(scene, joint)]
+    return [joint for joint in free if (joint.name in rotors and cuttable(joint)) or _holds_a_top(scene, joint)]
 
 
 def _holds_a_top(scene: Scene, joint: Joint) -> bool:

@@ -3,6 +3,7 @@
 from collections.abc import Container, Sequence
 from dataclasses import dataclass
 
+from plumbline.harness.adapter.between import on_massless
 from plumbline.harness.adapter.carried_laws import carried, followed
 from plumbline.harness.adapter.spanning_forest import spanning_forest
 from plumbline.harness.scene import WORLD, Distance, Fixed, Joint, Prismatic, Revolute, Scene
@@ -18,8 +19,13 @@ class Link:
     turned: bool = False
 
 
-def _keenness(joint: Joint, others: Container[str]) -> int:
-    """The lower, the sooner a joint becomes native: what has no equality constraint first, the exact ones last."""
+def _keenness(joint: Joint, others: Container[str], between: Container[str]) -> int:
+    """The lower, the sooner a joint becomes native: what has no equality constraint first, the exact ones last.
+
+    Args: between: the joints at bodies without mass, which are native or nothing.
+    """
+    if joint.name in between:
+        return -1
     if isinstance(joint, Prismatic):
         return 0
     if isinstance(joint, Revolute):
@@ -31,9 +37,9 @@ def forest(scene: Scene, joints: Sequence[Joint]) -> tuple[list[Link], list[Join
     """Links from the roots down, and the joints that close loops."""
     index = {body.name: k for k, body in enumerate(scene.bodies)} | {WORLD: -1}
     still = [k for k, body in enumerate(scene.bodies) if not body.movable]
-    others = followed(scene)
+    others, between = followed(scene), on_massless(scene)
     trees = spanning_forest(
-        sorted((j for j in joints if not isinstance(j, Distance)), key=lambda joint: _keenness(joint, others)),
+        sorted((j for j in joints if not isinstance(j, Distance)), key=lambda joint: _keenness(joint, others, between)),
         lambda joint: (index[joint.parent], index[joint.child]),
         ground=(-1, *still),
     )
@@ -49,7 +55,7 @@ def forest(scene: Scene, joints: Sequence[Joint]) -> tuple[list[Link], list[Join
     for root in (-1, *still):
         grow(root)
     # A body without mass stands in no tree of its own; what hangs on it reaches it.
-    for k in sorted(range(len(scene.bodies)), key=lambda place: scene.bodies[place].massless):
+    for k in sorted(range(len(scene.bodies)), key=lambda k: scene.bodies[k].massless):
         if k not in reached:
             links.append(Link(k, -1, None))
             grow(k)
@@ -59,12 +65,12 @@ def forest(scene: Scene, joints: Sequence[Joint]) -> tuple[list[Link], list[Join
 def in_one_body(scene: Scene, links: Sequence[Link]) -> dict[int, tuple[Link, ...]]:
     """By each body with mass the links whose native joints are its own, in their order: all behind the last body with mass."""
     by_body = {link.body: link for link in links}
-    found = {}
+    chains = {}
     for link in links:
         if scene.bodies[link.body].massless:
             continue
         chain = [link]
         while chain[0].above >= 0 and scene.bodies[chain[0].above].massless:
             chain.insert(0, by_body[chain[0].above])
-        found[link.body] = tuple(chain)
-    return found
+        chains[link.body] = tuple(chain)
+    return chains

@@ -49,9 +49,9 @@ def held_by(tables: Tables, joints: Joints, i: int) -> float:
     """
     kind, total, m = tables.kind, 0.0, i
     while m >= 0:
-        found = needed_force(tables, m, joints.joint[kind[m, tree.JOINT], at.ARMATURE])
-        tables.column[kind[m, tree.FIRST], tree.LEFT] = found
-        total += tables.link[m, tree.RATIO] * found
+        force = needed_force(tables, m, joints.joint[kind[m, tree.JOINT], at.ARMATURE])
+        tables.column[kind[m, tree.FIRST], tree.LEFT] = force
+        total += tables.link[m, tree.RATIO] * force
         m = kind[m, tree.NEXT]
     return total
 

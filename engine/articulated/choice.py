@@ -27,14 +27,14 @@ def chosen_forest(bodies: Sequence[Body], joints: Sequence[Joint], options: Opti
     wanted += [f"body '{body.name}' without mass" for body in bodies if body.massless]
     if not wanted and (not joints or options.used_coordinates == MAXIMAL):
         return None
+    if wanted and options.coordinates == MAXIMAL:
+        raise NotSupported(f"{wanted[0]} with bodies' own coordinates", "a row of theirs is between two bodies, both with mass")
     found = forest_of(bodies, joints)
     if options.coordinates != JOINT and not wanted and isinstance(found, Forest):
         loose = sum(bodies[i].motion == "dynamic" for i in found.others)
         if found.closing or (touching and loose > len(found.links)):
             return None
-    if wanted and options.coordinates == MAXIMAL:
-        found = NoForest("bodies' own coordinates", "a row of theirs is between two bodies, both with mass")
-    elif options.integrator not in INTEGRATORS:
+    if options.integrator not in INTEGRATORS:
         found = NoForest(f"the integrator '{options.integrator}'", f"they know {', '.join(INTEGRATORS)}")
     elif isinstance(found, Forest) and (touching or found.closing):
         found = unknown(options, "contacts" if touching else f"joint '{joints[found.closing[0]].name}'") or found

@@ -135,12 +135,12 @@ def forest_of(bodies: Sequence[Body], joints: Sequence[Joint]) -> Forest | NoFor
                     f"its least moment of inertia is {least:.3g} kg m2, and what ball joint '{hook.name}' leaves of it in "
                     f"coordinates of a tree is known to {needed:.3g}",
                 )
-    place = {joints[link.joint].name: k for k, link in enumerate(links) if link.joint >= 0}
+    link_of = {joints[link.joint].name: k for k, link in enumerate(links) if link.joint >= 0}
     for name, (leader, ratio) in leaders_of(joints).items():
         for end in (name, leader):
-            if end not in place:
+            if end not in link_of:
                 return NoForest(f"joint '{end}'", "it closes a loop, and couplings tie coordinates of trees")
-        links[place[name]] = replace(links[place[name]], tie=Tie(place[leader], ratio))
+        links[link_of[name]] = replace(links[link_of[name]], tie=Tie(link_of[leader], ratio))
     carrying = {link.parent for link in links}
     for i, body in enumerate(bodies):
         if not body.massless:

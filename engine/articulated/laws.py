@@ -59,9 +59,8 @@ def put_break(law: Floats, k: int, break_rate: float, jumps: float) -> None:
 @kernel
 def narrow(law: Floats, k: int, low: float, high: float, ratio: float) -> None:
     """Let the law of column k end where `ratio` times its rate is between low and high."""
-    one, other = low / ratio, high / ratio
-    law[k, tree.LOWEST] = max(law[k, tree.LOWEST], min(one, other))
-    law[k, tree.HIGHEST] = min(law[k, tree.HIGHEST], max(one, other))
+    law[k, tree.LOWEST] = max(law[k, tree.LOWEST], min(low / ratio, high / ratio))
+    law[k, tree.HIGHEST] = min(law[k, tree.HIGHEST], max(low / ratio, high / ratio))
 
 
 @kernel
@@ -224,7 +223,7 @@ def next_segment(tables: Tables, i: int, joints: Joints, h: float, found: float,
     """
     law, k = tables.law, tables.kind[i, tree.FIRST]
     segment = int(law[k, tree.SEGMENT])
-    place = segment // 2
+    at_break = segment // 2
     least = ROUND_OFF * (1.0 + abs(found)) + open_by
     if segment % 2 == 1:
         if found > force_beside(tables, i, joints, h, 0) + least:
@@ -232,10 +231,10 @@ def next_segment(tables: Tables, i: int, joints: Joints, h: float, found: float,
         if found < force_beside(tables, i, joints, h, 1) - least:
             return segment + 1
         return segment
-    if place > 0 and found < law[k, tree.BREAK + place - 1] - least:
-        return segment - (1 if law[k, tree.JUMPS + place - 1] == 1.0 else 2)
-    if place < int(law[k, tree.BREAKS]) and found > law[k, tree.BREAK + place] + least:
-        return segment + (1 if law[k, tree.JUMPS + place] == 1.0 else 2)
+    if at_break > 0 and found < law[k, tree.BREAK + at_break - 1] - least:
+        return segment - (1 if law[k, tree.JUMPS + at_break - 1] == 1.0 else 2)
+    if at_break < int(law[k, tree.BREAKS]) and found > law[k, tree.BREAK + at_break] + least:
+        return segment + (1 if law[k, tree.JUMPS + at_break] == 1.0 else 2)
     return segment
 
 

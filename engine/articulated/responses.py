@@ -55,11 +55,11 @@ def take_in(tables: Tables, touched: Touched, place: int) -> None:
 
 
 @kernel
-def give_up_to_ties(tables: Tables, touched: Touched, place: int) -> None:
+def give_up_to_ties(tables: Tables, touched: Touched, struck: int) -> None:
     """Write what unit impulses on the link of a place leave to ties: what units of these do to it, by the factor they have."""
     taken, low, n = touched.taken, tables.tie_factor, tables.tie.shape[0]
-    x = touched.kind[place, LINK]
-    r, row = load3(tables.motion, x, tree.PLACE), touched.kind[place, FIRST_TAKEN] + touched.depth[x]
+    x = touched.kind[struck, LINK]
+    r, row = load3(tables.motion, x, tree.PLACE), touched.kind[struck, FIRST_TAKEN] + touched.depth[x]
     for t in range(n):
         answer = t * tables.kind.shape[0] + x
         w = load3(tables.tie_link, answer, tree.TIE_ACCELERATION)

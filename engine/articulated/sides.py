@@ -41,15 +41,15 @@ def start_laws(tables: Tables) -> None:
 @kernel
 def held_with(tables: Tables, joints: Joints, i: int) -> tuple[float, float]:
     """The force that holds the column of link i, with all that it leads, at its jump, and the inertia along all of them."""
-    column, kind, found, inertia, m = tables.column, tables.kind, 0.0, 0.0, i
+    column, kind, force, inertia, m = tables.column, tables.kind, 0.0, 0.0, i
     while m >= 0:
         k, ratio = kind[m, tree.FIRST], tables.link[m, tree.RATIO]
         own = joints.joint[kind[m, tree.JOINT], at.ARMATURE]
         for c in range(6):
             own += column[k, tree.AXIS_W + c] * column[k, tree.PULL + c]
-        found, inertia = found + ratio * column[k, tree.LEFT], inertia + ratio * ratio * own
+        force, inertia = force + ratio * column[k, tree.LEFT], inertia + ratio * ratio * own
         m = kind[m, tree.NEXT]
-    return found, inertia
+    return force, inertia
 
 
 @kernel

@@ -40,8 +40,8 @@ def follow_coordinates(tables: Tables) -> None:
     for t in range(tables.follower.shape[0]):
         i = tables.follower[t, 0]
         leader = tables.kind[i, tree.LEADER]
-        way = coordinate[leader, 0] - link[leader, tree.START_X]
-        coordinate[i, 0] = link[i, tree.START_X] + link[i, tree.RATIO] * way
+        moved = coordinate[leader, 0] - link[leader, tree.START_X]
+        coordinate[i, 0] = link[i, tree.START_X] + link[i, tree.RATIO] * moved
 
 
 @kernel
@@ -58,7 +58,7 @@ def pulled_by(tables: Tables, tie: int, k: int) -> float:
 def answer_inwards(tables: Tables, tie: int) -> None:
     """Write what a unit of a tie's force leaves along every column, and what it makes every link need."""
     answer, column, kind = tables.tie_link, tables.column, tables.kind
-    row, place = tie * kind.shape[0], tie * column.shape[0]
+    row, first_column = tie * kind.shape[0], tie * column.shape[0]
     for i in range(kind.shape[0]):
         for c in range(tree.TIE_FORCE, tree.TIE_FORCE + 6):
             answer[row + i, c] = 0.0
@@ -74,7 +74,7 @@ def answer_inwards(tables: Tables, tie: int) -> None:
                 share = column[k, tree.INVERSE] * left
                 torque = axpy(share, load3(column, k, tree.PULL), torque)
                 force = axpy(share, load3(column, k, tree.PULL + 3), force)
-            tables.tie_column[place + k, tree.TIE_LEFT] = left
+            tables.tie_column[first_column + k, tree.TIE_LEFT] = left
         store3(answer, row + i, tree.TIE_FORCE, torque)
         store3(answer, row + i, tree.TIE_FORCE + 3, force)
         if parent >= 0:
@@ -86,7 +86,7 @@ def answer_inwards(tables: Tables, tie: int) -> None:
 def answer_outwards(tables: Tables, tie: int) -> None:
     """Write what a unit of a tie's force changes of every column's rate and every link's motion, from what it leaves."""
     answer, column, kind = tables.tie_link, tables.column, tables.kind
-    row, place = tie * kind.shape[0], tie * column.shape[0]
+    row, first_column = tie * kind.shape[0], tie * column.shape[0]
     for i in range(kind.shape[0]):
         parent = kind[i, tree.PARENT]
         a_w, a_v = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
@@ -97,10 +97,10 @@ def answer_outwards(tables: Tables, tie: int) -> None:
             change = 0.0
             if column[k, tree.ADDED] != math.inf:
                 taken = dot(load3(column, k, tree.PULL), a_w) + dot(load3(column, k, tree.PULL + 3), a_v)
-                change = column[k, tree.INVERSE] * (tables.tie_column[place + k, tree.TIE_LEFT] - taken)
+                change = column[k, tree.INVERSE] * (tables.tie_column[first_column + k, tree.TIE_LEFT] - taken)
                 a_w = axpy(change, load3(column, k, tree.AXIS_W), a_w)
                 a_v = axpy(change, load3(column, k, tree.AXIS_W + 3), a_v)
-            tables.tie_column[place + k, tree.TIE_CHANGE] = change
+            tables.tie_column[first_column + k, tree.TIE_CHANGE] = change
         store3(answer, row + i, tree.TIE_ACCELERATION, a_w)
         store3(answer, row + i, tree.TIE_ACCELERATION + 3, a_v)
 
@@ -108,10 +108,10 @@ def answer_outwards(tables: Tables, tie: int) -> None:
 @kernel
 def slip(tables: Tables, tie: int, answer: int) -> float:
     """By how much the changes that an answer holds break a tie."""
-    follower, place = tables.follower[tie, 0], answer * tables.column.shape[0]
+    follower, first_column = tables.follower[tie, 0], answer * tables.column.shape[0]
     leader, ratio = tables.kind[follower, tree.LEADER], tables.link[follower, tree.RATIO]
-    follows = tables.tie_column[place + tables.kind[follower, tree.FIRST], tree.TIE_CHANGE]
-    return float(follows - ratio * tables.tie_column[place + tables.kind[leader, tree.FIRST], tree.TIE_CHANGE])
+    follows = tables.tie_column[first_column + tables.kind[follower, tree.FIRST], tree.TIE_CHANGE]
+    return float(follows - ratio * tables.tie_column[first_column + tables.kind[leader, tree.FIRST], tree.TIE_CHANGE])
 
 
 @kernel
@@ -145,7 +145,7 @@ def probe(tables: Tables, moved: bool) -> None:
     Args: moved: whether columns whose change is prescribed make it, and links have a bias.
     """
     column, kind, n = tables.column, tables.kind, tables.tie.shape[0]
-    answer, row, place = tables.tie_link, n * tables.kind.shape[0], n * tables.column.shape[0]
+    answer, row, first_column = tables.tie_link, n * tables.kind.shape[0], n * tables.column.shape[0]
     for i in range(kind.shape[0]):
         parent = kind[i, tree.PARENT]
         a_w, a_v = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
@@ -161,7 +161,7 @@ def probe(tables: Tables, moved: bool) -> None:
                 change = column[k, tree.INVERSE] * (column[k, tree.LEFT] - taken)
             a_w = axpy(change, load3(column, k, tree.AXIS_W), a_w)
             a_v = axpy(change, load3(column, k, tree.AXIS_W + 3), a_v)
-            tables.tie_column[place + k, tree.TIE_CHANGE] = change
+            tables.tie_column[first_column + k, tree.TIE_CHANGE] = change
         store3(answer, row + i, tree.TIE_ACCELERATION, a_w)
         store3(answer, row + i, tree.TIE_ACCELERATION + 3, a_v)
 

@@ -19,7 +19,7 @@ def leaders_of(joints: Sequence[Joint]) -> dict[str, tuple[str, float]]:
     drives with a limit along coordinates that follow each other than there is room for.
     """
     scalar = {joint.name: joint for joint in joints if isinstance(joint, Revolute | Prismatic)}
-    found: dict[str, tuple[str, float]] = {}
+    leaders: dict[str, tuple[str, float]] = {}
     for joint in scalar.values():
         if joint.coupling is None:
             continue
@@ -33,13 +33,13 @@ def leaders_of(joints: Sequence[Joint]) -> dict[str, tuple[str, float]]:
                 raise ValueError(f"{label}: position {at.position}, expected {tied}")
             ratio, at = ratio * at.coupling.ratio, scalar[name]
             passed.add(name)
-        found[joint.name] = (at.name, ratio)
-    for leader in {name for name, _ in found.values()}:
-        group = [leader, *(name for name, (other, _) in found.items() if other == leader)]
+        leaders[joint.name] = (at.name, ratio)
+    for leader in {name for name, _ in leaders.values()}:
+        group = [leader, *(name for name, (other, _) in leaders.items() if other == leader)]
         limited = [name for name in group if (drive := scalar[name].drive) is not None and drive.limit < math.inf]
         if len(limited) > MOST_DRIVES:
             raise ValueError(
                 f"joint '{limited[-1]}': drive limit {scalar[limited[-1]].drive}, expected at most {MOST_DRIVES} drives with "
                 "a limit along coordinates that follow each other"
             )
-    return found
+    return leaders

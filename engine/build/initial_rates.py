@@ -40,13 +40,13 @@ def check_initial_rates(bodies: Sequence[Body], joints: Sequence[Joint]) -> None
     _check_coupled_rates(known, joints)
 
 
-def _check_coupled_rates(known: Mapping[str, Body], joints: Sequence[Joint]) -> None:
+def _check_coupled_rates(named: Mapping[str, Body], joints: Sequence[Joint]) -> None:
     """Raises: NotSupported naming the first coupling that the initial velocities break, and by how much."""
     scalar = {joint.name: joint for joint in joints if isinstance(joint, Revolute | Prismatic)}
     for joint in scalar.values():
         if joint.coupling is None:
             continue
-        (rate, speed), (other, other_speed) = (_rate(known, one) for one in (joint, scalar[joint.coupling.joint]))
+        (rate, speed), (other, other_speed) = (_rate(named, end) for end in (joint, scalar[joint.coupling.joint]))
         ratio = joint.coupling.ratio
         if abs(rate - ratio * other) > AGREES * (speed + abs(ratio) * other_speed):
             raise NotSupported(
@@ -55,10 +55,10 @@ def _check_coupled_rates(known: Mapping[str, Body], joints: Sequence[Joint]) -> 
             )
 
 
-def _rate(known: Mapping[str, Body], joint: Revolute | Prismatic) -> tuple[float, float]:
+def _rate(named: Mapping[str, Body], joint: Revolute | Prismatic) -> tuple[float, float]:
     """The initial rate of a joint's coordinate [rad/s or m/s], and the sum of the speeds that make it."""
     axis, anchor = unit(np.asarray(joint.axis_W, float)), np.asarray(joint.anchor_W, float)
-    (v_a, w_a, fast_a), (v_b, w_b, fast_b) = (_motion(known.get(name), anchor) for name in (joint.parent, joint.child))
+    (v_a, w_a, fast_a), (v_b, w_b, fast_b) = (_motion(named.get(name), anchor) for name in (joint.parent, joint.child))
     if isinstance(joint, Revolute):
         return float(dot(axis, w_b - w_a)), float(norm(w_a) + norm(w_b))
     return float(dot(axis, v_b - v_a)), fast_a + fast_b

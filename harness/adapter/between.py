@@ -11,8 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from plumbline.harness.adapter.contract import Unsupported
 from plumbline.harness.adapter.rotations import matrix
-from plumbline.harness.scene import WORLD, Prismatic, Revolute, Scene, axis_angle, multiply
+from plumbline.harness.scene import WORLD, Effect, Prismatic, Revolute, Scene, axis_angle, multiply
 from plumbline.harness.trajectory import Floats, State
 
 
@@ -29,22 +30,33 @@ class Chain:
     bodies: tuple[int, ...]
 
 
+def on_massless(scene: Scene) -> frozenset[str]:
+    """The names of the joints that end at a body without mass, which no constraint between free bodies can stand for.
+
+    Raises: Unsupported, where there are any, and the scene leaves joints out.
+    """
+    massless = {body.name for body in scene.bodies if body.massless}
+    if massless and Effect.JOINTS not in scene.effects:
+        raise Unsupported(f"body '{min(massless)}' without mass", "it stands between joints, which the scene leaves out")
+    return frozenset(joint.name for joint in scene.joints if {joint.parent, joint.child} & massless)
+
+
 def chains(scene: Scene) -> list[Chain]:
     """All chains of a scene, each from its base on."""
-    place = {body.name: k for k, body in enumerate(scene.bodies)} | {WORLD: -1}
-    on = {joint.parent: (k, joint.child) for k, joint in enumerate(scene.joints) if scene.bodies[place[joint.child]].massless}
+    index = {body.name: k for k, body in enumerate(scene.bodies)} | {WORLD: -1}
+    on = {joint.parent: (k, joint.child) for k, joint in enumerate(scene.joints) if scene.bodies[index[joint.child]].massless}
     massless = {body.name for body in scene.bodies if body.massless}
-    found = []
+    whole = []
     for k, joint in enumerate(scene.joints):
         if joint.child not in massless or joint.parent in massless:
             continue
-        joints, bodies = [k], [place[joint.child]]
+        joints, bodies = [k], [index[joint.child]]
         while scene.bodies[bodies[-1]].name in on:
             number, child = on[scene.bodies[bodies[-1]].name]
             joints.append(number)
-            bodies.append(place[child])
-        found.append(Chain(place[joint.parent], tuple(joints), tuple(bodies)))
-    return found
+            bodies.append(index[child])
+        whole.append(Chain(index[joint.parent], tuple(joints), tuple(bodies)))
+    return whole
 
 
 def write_between(scene: Scene, chain: Chain, coordinate: Floats, rate: Floats, out: State) -> None:
@@ -60,8 +72,8 @@ def write_between(scene: Scene, chain: Chain, coordinate: Floats, rate: Floats, 
         w = out.w_WB[chain.base].copy()
         # Of what moves with the base and is at the world's origin now.
         v = out.v_WB[chain.base] - np.cross(w, out.p_WB[chain.base])
-    for number, place, x, x_rate in zip(chain.joints, chain.bodies, coordinate.tolist(), rate.tolist(), strict=True):
-        joint, body = scene.joints[number], scene.bodies[place]
+    for number, behind, x, x_rate in zip(chain.joints, chain.bodies, coordinate.tolist(), rate.tolist(), strict=True):
+        joint, body = scene.joints[number], scene.bodies[behind]
         assert isinstance(joint, Revolute | Prismatic)
         axis, anchor = R @ np.array(joint.axis_W), R @ np.array(joint.anchor_W) + t
         if isinstance(joint, Revolute):
@@ -73,5 +85,5 @@ def write_between(scene: Scene, chain: Chain, coordinate: Floats, rate: Floats, 
         else:
             t, v = t + (x - joint.position) * axis, v + x_rate * axis
         p = R @ np.array(body.p_WB) + t
-        out.p_WB[place], out.q_WB[place] = p, multiply(tuple(turned.tolist()), body.q_WB)
-        out.v_WB[place], out.w_WB[place] = v + np.cross(w, p), w
+        out.p_WB[behind], out.q_WB[behind] = p, multiply(tuple(turned.tolist()), body.q_WB)
+        out.v_WB[behind], out.w_WB[behind] = v + np.cross(w, p), w

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from plumbline.harness.scene import Scene
+from plumbline.harness.adapter import Unsupported
+from plumbline.harness.scene import Effect, Scene
 from plumbline.harness.study.plugins import adapter
 from plumbline.harness.trajectory import State
 from tests.joint_space import JointSpace
@@ -73,3 +74,11 @@ def test_every_engine_moves_a_link_of_several_joints_as_its_coordinates_do(engin
         if body.movable:
             assert out.p_WB[k] == pytest.approx(places[body.name], abs=DT * sharpest * DURATION), body.name
     assert max(np.abs(places[body.name] - body.p_WB).max() for body in scene.bodies if body.movable) > 50 * DT
+
+
+@pytest.mark.parametrize("engine", ["mujoco", "bullet", "dart", "reference"])
+def test_a_body_between_joints_is_refused_where_the_scene_leaves_joints_out(engine: str, tmp_path: Path) -> None:
+    scene = replace(imported(tmp_path, FILES["puck"]).scene, narrow=Effect.JOINTS)
+    chosen = adapter(engine)
+    with pytest.raises(Unsupported, match="without mass"):
+        chosen.build(scene, chosen.tracks["tuned"])

@@ -6,8 +6,8 @@ TEMPLATE = """\
 
 gravity = [0.0, 0.0, -9.81]
 
-# Bodies: mass [kg], inertia about the centre of mass [kg m2] (zero: a mass point), p_WB [m] and q_WB
-# at the start.
+# Bodies: mass [kg], inertia about the centre of mass [kg m2] (zero: a mass point; with mass 0 as
+# well: what stands between two joints), p_WB [m] and q_WB at the start.
 [[bodies]]
 name = "ground"
 motion = "static"           # dynamic (the default), static, kinematic: it keeps its velocity, or is led:

@@ -265,6 +265,7 @@ ADAPTER = BulletAdapter(
         "default/armature_acts_between_bodies": _DAMPED,
         "default/dry_friction_brakes": _DAMPED,
         "default/coupled_coordinates_move_as_one": _DAMPED,
+        "default/several_joints_move_one_body": _DAMPED,
         "default/distance_spring_has_its_frequency": _DAMPED,
         "default/distance_spring_pulls_where_it_is_tied": _DAMPED,
         "default/mass_point_flies_and_hangs": _DAMPED,

@@ -89,6 +89,10 @@ def _reversing(acted: Sequence[tuple[Joint, Actuator]], scene: Scene, h: float) 
     constraints are more mobile than W, which bounds the eigenvalues, in every pose where joints are revolute: their axes lie
     fixed in both bodies.
     """
+    massless = {body.name for body in scene.bodies if body.massless}
+    if any({joint.parent, joint.child} & massless for joint, _ in acted):
+        # Let loose, a body without mass is as mobile as can be.
+        return True
     names = {body.name: place for place, body in enumerate(scene.bodies)}
     pushes = np.zeros((len(acted), len(scene.bodies), 6))
     for push, (joint, actuator) in zip(pushes, acted, strict=True):

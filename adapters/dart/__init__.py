@@ -152,6 +152,7 @@ ADAPTER = DartAdapter(
         | Feature.KINEMATIC
         | Feature.PRESCRIBED_MOTION
         | Feature.MASS_POINT
+        | Feature.MASSLESS
         | Feature.FIXED
         | Feature.BALL
         | Feature.REVOLUTE

@@ -88,6 +88,8 @@ class Feature(Flag):
     """Kinematic bodies whose velocities are told anew before each step."""
     MASS_POINT = auto()
     """Bodies without inertia, which nothing turns or which are fixed to others."""
+    MASSLESS = auto()
+    """Bodies without mass between joints: several joints, one after the other, that move one body."""
     FIXED = auto()
     BALL = auto()
     REVOLUTE = auto()

@@ -47,6 +47,8 @@ def _of_bodies(scene: Scene, effects: Effect) -> Iterator[Feature]:
             yield Feature.KINEMATIC | Feature.PRESCRIBED_MOTION
         if body.mass_point:
             yield Feature.MASS_POINT
+        if body.massless:
+            yield Feature.MASSLESS
         if len(body.collision) > 1:
             yield Feature.COMPOUND
         if Effect.CONTACT in effects:

@@ -94,7 +94,8 @@ def tree_of(robot: Robot, groups: Mapping[str, Group], at: Posed, laws: Laws, co
         for k, line in enumerate(lines[:-1]):
             extra = _between(line, k, group, between, companion.massless, body_names)
             bodies.append(extra)
-            massive += _of_between(extra, Chain(before, lines[: k + 1]), own=between is not None)
+            if not extra.massless:
+                massive += _of_between(extra, Chain(before, lines[: k + 1]), own=between is not None)
             joints.append(_joint(line, parent, extra.name, joint_names, robot))
             called[line.coordinate.name] = joints[-1].name
             parent = extra.name
@@ -156,7 +157,10 @@ def _stated_inertia(massless: Massless) -> float:
 
 
 def _between(line: Line, place: int, group: Group, between: StandIns | None, massless: Massless | None, names: _Names) -> Body:
-    """What stands behind a coordinate of a link that is not its last one. Raises: RobotError, where nothing can."""
+    """What stands behind a coordinate of a link that is not its last one: no mass, where none is stated and none can be shared.
+
+    Raises: RobotError, where only mass could.
+    """
     c = line.coordinate
     if between is not None:
         mass, moment, centre = between.mass, between.moment, between.centres[place]
@@ -164,15 +168,16 @@ def _between(line: Line, place: int, group: Group, between: StandIns | None, mas
         mass, moment, centre = massless.mass, _stated_inertia(massless), line.after.of(c.anchor)
     else:
         coordinates = group.lead.coordinates
-        several = listed([each.name for each in coordinates])
-        # Of a planar joint all coordinates are one element.
-        where = c.where if len({each.where for each in coordinates}) == 1 else group.lead.where
-        raise RobotError(
-            f"{where}: several joints {several} move one body, and a scene has one joint between two bodies "
-            "and no body without mass; the body's own mass does where the axes of all but the first meet in a point, which "
-            "these do not; [massless] mass = ... in the companion file puts bodies of that mass between them, and says what "
-            "they change"
-        )
+        if balls := [each.name for each in coordinates if each.kind == "ball"]:
+            # Of a planar joint all coordinates are one element.
+            where = c.where if len({each.where for each in coordinates}) == 1 else group.lead.where
+            raise RobotError(
+                f"{where}: several joints {listed([each.name for each in coordinates])} move one body, ball joint "
+                f"{listed(balls)} among them, and a body without mass stands between two joints with one coordinate each; the "
+                "body's own mass does where the axes of all but the first meet in a point, which these do not; [massless] "
+                "mass = ... in the companion file puts bodies of that mass between them, and says what they change"
+            )
+        mass, moment, centre = 0.0, 0.0, line.after.of(c.anchor)
     return Body(
         name=names.fresh(f"{group.lead.name}.{c.name}"[:170]),
         mass=mass,

@@ -201,6 +201,13 @@ _SCENES: Mapping[Feature, Callable[[], Scene]] = {
             free(p=(0.0, 0.0, 1.0)),
         )
     ),
+    Feature.MASSLESS: lambda: Scene(
+        bodies=(Body.between("between"), free("body", p=(0.0, 0.0, -1.0))),
+        joints=(
+            Prismatic(name="first", parent=WORLD, child="between", anchor_W=(0.0, 0.0, 0.0), axis_W=(1.0, 0.0, 0.0)),
+            replace(_RAIL, parent="between", axis_W=(0.0, 1.0, 0.0)),
+        ),
+    ),
     Feature.MASS_POINT: lambda: Scene(bodies=(free(moments=(0.0, 0.0, 0.0)),)),
     Feature.FIXED: lambda: _joint(Fixed(name="j", parent=WORLD, child="body")),
     Feature.BALL: lambda: _joint(Ball(name="j", parent=WORLD, child="body", anchor_W=(0.0, 0.0, 0.0))),

@@ -14,21 +14,21 @@ def add_tendon(plan: Plan, draft: Draft, tendon: Tendon) -> None:
     mj = draft.mj
     native = {link.joint.name: f"f{link.body}" for link in plan.links if link.joint is not None}
     name = f"l.{tendon.name}"
-    made = draft.spec.add_tendon(name=name)
+    line = draft.spec.add_tendon(name=name)
     for arm in tendon.arms:
         if arm.joint not in native:
             raise Unsupported(
                 f"tendon '{tendon.name}' of joint '{arm.joint}', which closes a loop", "a loop of MuJoCo has no coordinate"
             )
-        made.wrap_joint(native[arm.joint], arm.arm)
+        line.wrap_joint(native[arm.joint], arm.arm)
     if tendon.spring is not None:
-        made.stiffness = linear_law(made.stiffness, tendon.spring.stiffness)
-        made.damping = linear_law(made.damping, tendon.spring.damping)
-        made.springlength = [tendon.spring.rest, tendon.spring.rest]
+        line.stiffness = linear_law(line.stiffness, tendon.spring.stiffness)
+        line.damping = linear_law(line.damping, tendon.spring.damping)
+        line.springlength = [tendon.spring.rest, tendon.spring.rest]
     bounds = bounds_of(tendon)
     if bounds is not None:
-        made.limited, made.range = mj.mjtLimited.mjLIMITED_TRUE, bounds
-        stop(made, plan.options, plan.h)
+        line.limited, line.range = mj.mjtLimited.mjLIMITED_TRUE, bounds
+        stop(line, plan.options, plan.h)
     drive = tendon.drive if Effect.DRIVES in plan.effects else None
     if drive is None:
         return

@@ -9,8 +9,8 @@ SUBJECTS = (
     "motion.frames", "motion.dynamics", "motion.precision", "motion.mass_points",
     "contact.shapes", "contact.compounds", "contact.resting", "contact.contacts",
     "motion.prescribed", "contact.forces", "contact.friction",
-    "joints.constraints", "joints.coordinates", "joints.distance_springs", "joints.along_coordinates", "joints.joint_states",
-    "joints.pairs",
+    "joints.constraints", "joints.coordinates", "joints.distance_springs", "joints.along_coordinates", "joints.tendons",
+    "joints.joint_states", "joints.pairs",
     "sensing.rays", "sensing.images", "sensing.inertial", "sensing.mounted", "sensing.mounted_cameras",
     "contract.effects", "contract.robustness",
 )  # fmt: skip

@@ -63,7 +63,7 @@ def read(model: Model, ctrl: Array) -> tuple[Servos, Servos, list[Fidelity], lis
     driven: dict[_Kind, list[str]] = {"joint": [], "tendon": []}
     for (kind, number), acting in laws.items():
         array = "jnt" if kind == "joint" else "tendon"
-        whole = (-math.inf, math.inf)
+        whole: tuple[float, ...] = (-math.inf, math.inf)
         if model.arrays[f"{array}_actfrclimited"][number]:
             low, high = model.arrays[f"{array}_actfrcrange"][number]
             whole = float(low), float(high)

@@ -154,6 +154,10 @@ ADAPTER = NewtonAdapter(
             for check in ("hidden_damping_is_off", "nothing_brakes_a_free_body")
         },
         **{f"{track}/rays_match_closed_forms": _RAYS for track in ("default", "tuned")},
+        "default/limits_hold": "Newton's default limits are springs of 1e4 N m/rad: a rod turns .06 rad beyond one",
+        "default/dry_friction_beside_a_drive": (
+            "the vendor's default softness of dry friction, .02 s: what it holds under two thirds of the bound creeps"
+        ),
         "default/friction_is_isotropic": "the vendor's default cone is a pyramid: friction towards its edges is up to 41 % off",
     },
     knobs={

@@ -8,11 +8,14 @@ import numpy as np
 
 from plumbline.adapters.bullet.bodies_made import Assembly
 from plumbline.adapters.bullet.drives import Actuation
+from plumbline.adapters.bullet.native_steps import advance
+from plumbline.adapters.bullet.options import substep
 from plumbline.adapters.bullet.reactions import ReactionReader
 from plumbline.adapters.bullet.sensing import Twin
 from plumbline.adapters.bullet.vendor import CONTACT_BREAKING, LIFTED, break_contacts_at, breaks
 from plumbline.harness.adapter import Diverged, Notice, Settings, Unsupported
 from plumbline.harness.adapter.rotations import IDENTITY, products
+from plumbline.harness.adapter.rotors import Blows
 from plumbline.harness.adapter.what_goes_in import check_rays, check_state, check_targets, check_velocities, check_wrench
 from plumbline.harness.scene import Camera, Scene, Vector3
 from plumbline.harness.trajectory import Contacts, Floats, Hits, Image, State
@@ -43,6 +46,7 @@ class BulletSimulation:
         }
         self._pushed: Pushes = ()
         self._reactions = ReactionReader(scene, made, settings.dt / self._substeps)
+        self._h = substep(settings)
         self._twin: Twin | None = None
         self._open = True
         self._watched = False
@@ -60,20 +64,35 @@ class BulletSimulation:
 
     def step(self, count: int = 1) -> None:
         """Advance by count * dt. Raises: Diverged."""
-        advance, client = self._port.bullet.stepSimulation, self._port.client
-        made = self._made
+        p, client, made, steps = self._port.bullet, self._port.client, self._made, count * self._substeps
         acts = bool(made.actuators or made.prescribed or made.springs or self._pushed)
         if breaks["at"] != self._breaks:
             break_contacts_at(self._port, self._breaks)
         self._touched = []
         self._reactions.stepped(count)
-        for left in range(count * self._substeps, 0, -1):
-            if acts:
-                self._act()
-            advance(physicsClientId=client)
-            if self._watched and 1 < left <= self._substeps:
-                self._touched.append(self._points())
+        if acts or made.blows is not None or (self._watched and self._substeps > 1):
+            for left in range(steps, 0, -1):
+                if acts:
+                    self._act()
+                p.stepSimulation(physicsClientId=client)
+                if made.blows is not None:
+                    self._look_for_blows(made.blows)
+                if self._watched and 1 < left <= self._substeps:
+                    self._touched.append(self._points())
+        else:
+            advance(self._port, steps, self._h)
         self._check()
+
+    def _look_for_blows(self, blows: Blows) -> None:
+        """Has nothing struck a tree with rotors in the last sub-step? Raises: Unsupported."""
+        coordinates, address = self._made.coordinates, self._made.address
+
+        def coordinate(name: str) -> float:
+            number, link, position = coordinates[name]
+            return position + float(self._port.call("getJointState", number, link)[0])
+
+        points = [c for c in self._points() if c[8] <= 0 or c[9] > 0]
+        blows.check(coordinate, {address[end] for c in points for end in ((c[1], c[3]), (c[2], c[4]))})
 
     def retime(self, dt: float) -> None:
         """The length [s] of each step from the next one on. Raises: Unsupported."""
@@ -84,6 +103,7 @@ class BulletSimulation:
                 "the rates that they lead to are foreseen from the step before, which has to be as long",
             )
         self._port.call("setTimeStep", h)
+        self._h = h
         for group in made.actuators.values():
             group.h = h
         for belt in made.prescribed:
@@ -299,11 +319,11 @@ class BulletSimulation:
 
     def save(self) -> object:
         """Raises: Unsupported."""
-        raise Unsupported("save", "a state restored by Bullet's restoreState moves on differently from the second step on")
+        raise Unsupported("save", "Bullet's restoreState goes on otherwise in maximal coordinates")
 
     def restore(self, saved: object) -> None:  # noqa: ARG002 -- the protocol's name
         """Raises: Unsupported."""
-        raise Unsupported("restore", "a state restored by Bullet's restoreState moves on differently from the second step on")
+        raise Unsupported("restore", "Bullet's restoreState goes on otherwise in maximal coordinates")
 
     def close(self) -> None:
         """Free the world and its twin; a second time does nothing."""

@@ -7,7 +7,7 @@ from plumbline.adapters.mujoco.shapes import BOTH_GROUP, COLLISION_GROUP, VISUAL
 from plumbline.adapters.mujoco.surfaces import Law, ranked, tell_surface
 from plumbline.adapters.mujoco.uncompiled_model import Draft
 from plumbline.harness.adapter import Unsupported
-from plumbline.harness.scene import WORLD, Effect, Scene
+from plumbline.harness.scene import Effect, Scene
 
 
 def add_shapes(plan: Plan, draft: Draft, laws: Mapping[frozenset[str], Law]) -> None:
@@ -39,20 +39,26 @@ def _masks(scene: Scene, materials: Sequence[str]) -> dict[str, tuple[int, int]]
     """contype and conaffinity: a bit for each material that stands apart from some other, one bit for all others."""
     apart = [frozenset(pair) for pair in scene.apart]
     lonely = [m for m in materials if any(m in pair for pair in apart)]
-    if len(lonely) > 30:
-        raise Unsupported(f"{len(lonely)} materials apart from others", "MuJoCo's collision masks have 31 bits")
+    if len(lonely) > 31:
+        raise Unsupported(f"{len(lonely)} materials apart from others", "MuJoCo's collision masks have 32 bits")
     bit = {m: 2 << lonely.index(m) if m in lonely else 1 for m in materials}
-    return {m: (bit[m], sum({bit[o] for o in materials if frozenset((m, o)) not in apart})) for m in materials}
+    met = {m: sum({bit[o] for o in materials if frozenset((m, o)) not in apart}) for m in materials}
+    return {m: (_signed(bit[m]), _signed(met[m])) for m in materials}
+
+
+def _signed(mask: int) -> int:
+    """32 bits as the integer of 32 bits that has them, the last of which is its sign."""
+    return mask - (mask >> 31 << 32)
 
 
 def _exclude(plan: Plan, draft: Draft) -> None:
     """Keep bodies apart that joints hold, and those that move as they are told from those that stand still."""
     bodies = plan.scene.bodies
-    node = {b.name: "world" if plan.planted(b) else f"b{k}" for k, b in enumerate(bodies)}
+    node = {b.name: "world" if plan.planted(b) else f"b{k}" for k, b in enumerate(bodies) if not b.massless}
     still = [b.name for b in bodies if not b.movable and b.collision]
     moving = [b.name for b in bodies if plan.prescribed(b) and b.collision]
     pairs = {frozenset((node[a], node[b])) for a in still for b in moving if a != b}
-    pairs |= {frozenset(node[name] for name in pair) for pair in plan.scene.joined() if WORLD not in pair}
+    pairs |= {frozenset(node[name] for name in pair) for pair in plan.scene.joined() if pair <= node.keys()}
     for a, b in sorted(tuple(sorted(pair)) for pair in pairs):
         draft.spec.add_exclude(bodyname1=a, bodyname2=b)
 

@@ -61,7 +61,8 @@ def add_geom(plan: Plan, draft: Draft, k: int, placed: PlacedShape, name: str, d
         case TriangleMesh(vertices=vertices, faces=faces):
             if Effect.CONTACT in plan.effects and not drawn and not is_convex(np.array(vertices), np.array(faces)):
                 raise Unsupported(
-                    f"body '{body.name}': a mesh that is not convex and closed", "MuJoCo collides a mesh as its hull"
+                    f"body '{body.name}': a mesh that is not convex and closed",
+                    "MuJoCo collides a mesh as its hull, or as a distance field that is a tenth of a millimetre off",
                 )
             return node.add_geom(type=kinds.mjGEOM_MESH, meshname=_add_mesh(draft, vertices, faces), **pose)
         case _ as other:

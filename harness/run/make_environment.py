@@ -123,11 +123,11 @@ def _run(command: Sequence[str]) -> str:
     if ended.code is None:
         raise NotMade(f"its environment was not made within {_INSTALLS:g} s")
     if ended.code != 0:
-        raise NotMade(_last(ended.err.decode("utf-8", "replace")) or f"{command[0]} {ended.how}")
+        raise NotMade(last_error(ended.err.decode("utf-8", "replace")) or f"{command[0]} {ended.how}")
     return ended.out.decode("utf-8", "replace")
 
 
-def _last(said: str) -> str:
+def last_error(said: str) -> str:
     """The last error that was told, on one line, without addresses: they may hold what is nobody's business."""
     lines = [_FRAME.sub(" ", line).strip() for line in said.splitlines()]
     errors = [line for line in lines if line.startswith(("ERROR", "error"))] or [line for line in lines if line]
@@ -141,7 +141,7 @@ def _tried(version: EngineVersion, digest: str) -> Environment:
     allowed = _TRIES + plugins.adapter(version.engine).compile_allowance
     ended = bounded(command, allowed, answers=True, env={**os.environ, "PYTHONPATH": os.pathsep.join(ours)})
     if ended.code is None or not ended.answer:
-        words = _last(ended.err.decode("utf-8", "replace"))
+        words = last_error(ended.err.decode("utf-8", "replace"))
         return Environment(interpreter, reason=f"its smoke checks {ended.how}{': ' * bool(words)}{words}", sources=digest)
     found = json.loads(ended.answer)
     path = tuple(place for place in found["path"] if place not in ours)

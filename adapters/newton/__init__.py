@@ -82,6 +82,12 @@ class NewtonAdapter(Adapter):
 _SPUN = "single precision: each step turns a spin into the body and back, and changes it by some 3e-7 of itself"
 _RAYS = "rays are cast in single precision: 1.4e-5 m off on round shapes, 1e-4 m on planes at a graze and within 50 m"
 
+_ON_ONE_POINT = (
+    *(f"lying_cylinder_rests_on_{ground}" for ground in ("box", "cylinder", "hull")),
+    *(f"hull_rests_on_{ground}" for ground in ("box", "cylinder", "hull")),
+    *(f"box_rests_on_{ground}" for ground in ("cylinder", "hull")),
+)
+
 ADAPTER = NewtonAdapter(
     name="newton",
     title="Newton",
@@ -154,6 +160,10 @@ ADAPTER = NewtonAdapter(
             for check in ("hidden_damping_is_off", "nothing_brakes_a_free_body")
         },
         **{f"{track}/rays_match_closed_forms": _RAYS for track in ("default", "tuned")},
+        **{
+            f"default/{pair}": "one point of contact carries the weight: the vendor's default, beside its softness of .02 s"
+            for pair in _ON_ONE_POINT
+        },
         "default/limits_hold": "Newton's default limits are springs of 1e4 N m/rad: a rod turns .06 rad beyond one",
         "default/dry_friction_beside_a_drive": (
             "the vendor's default softness of dry friction, .02 s: what it holds under two thirds of the bound creeps"
@@ -170,12 +180,15 @@ ADAPTER = NewtonAdapter(
         "options.contact_steps": (40.0, 20.0, 4.0, 2.0),
         "options.contact_damping_ratio": (0.5, 1.0, 1.2, 2.0),
         "options.limit_steps": (2.0, 5.0, 20.0),
+        "options.multiccd": (True, False),
         "options.contact_relaxation": (0.4, 0.8, 1.0),
         "options.contact_weighting": (True, False),
     },
     acts_on={
         **dict.fromkeys(("solver", "iterations"), Effect.CONTACT | Effect.JOINTS),
-        **dict.fromkeys(("options.cone", "options.contact_steps", "options.contact_damping_ratio"), Effect.CONTACT),
+        **dict.fromkeys(
+            ("options.cone", "options.contact_steps", "options.contact_damping_ratio", "options.multiccd"), Effect.CONTACT
+        ),
         "options.impratio": Effect.FRICTION,
         "options.limit_steps": Effect.JOINTS,
         **dict.fromkeys(("options.contact_relaxation", "options.contact_weighting"), Effect.RESTITUTION),

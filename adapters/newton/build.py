@@ -128,6 +128,7 @@ def _solver(vendor: Vendor, model: Any, used: Settings, effects: Effect) -> Any:
         integrator=used.integrator,
         cone=options["cone"],
         impratio=options["impratio"],
+        enable_multiccd=options["multiccd"],
         disable_contacts=Effect.CONTACT not in effects,
         kinematic_switchable_roots=False,
     )

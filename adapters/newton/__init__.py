@@ -83,9 +83,9 @@ _SPUN = "single precision: each step turns a spin into the body and back, and ch
 _RAYS = "rays are cast in single precision: 1.4e-5 m off on round shapes, 1e-4 m on planes at a graze and within 50 m"
 
 _ON_ONE_POINT = (
-    *(f"lying_cylinder_rests_on_{ground}" for ground in ("box", "cylinder", "hull")),
-    *(f"hull_rests_on_{ground}" for ground in ("box", "cylinder", "hull")),
-    *(f"box_rests_on_{ground}" for ground in ("cylinder", "hull")),
+    *(f"lying_cylinder_rests_on_{ground}" for ground in ("box", "cylinder", "hull", "mesh")),
+    *(f"hull_rests_on_{ground}" for ground in ("box", "cylinder", "hull", "mesh")),
+    *(f"box_rests_on_{ground}" for ground in ("cylinder", "hull", "mesh")),
 )
 
 ADAPTER = NewtonAdapter(

@@ -140,13 +140,13 @@ ADAPTER = NewtonAdapter(
             options={
                 "cone": "elliptic",
                 "impratio": 10.0,
-                "contact_steps": 20.0,
+                "contact_steps": 4.0,
                 "contact_damping_ratio": 1.2,
                 "limit_steps": 2.0,
             },
-            source="elliptic cones, impratio above 1: MuJoCo documentation, Modeling, preventing slip; contacts of at most 20 "
-            "steps and damping ratio 1.2, limits and dry friction of two steps and ratio 1.7: measured on MuJoCo itself "
-            "(`adapters.mujoco`)",
+            source="elliptic cones, impratio above 1: MuJoCo documentation, Modeling, preventing slip; contacts of four steps: "
+            "measured here (a box on a cylinder, which has one point alone, sinks by 0.3 mm, and by 8 mm at 20 steps of 1 ms); "
+            "damping ratio 1.2, limits and dry friction of two steps, of ratio 1.7: measured on MuJoCo (`adapters.mujoco`)",
         ),
     },
     known_failures={
@@ -180,15 +180,12 @@ ADAPTER = NewtonAdapter(
         "options.contact_steps": (40.0, 20.0, 4.0, 2.0),
         "options.contact_damping_ratio": (0.5, 1.0, 1.2, 2.0),
         "options.limit_steps": (2.0, 5.0, 20.0),
-        "options.multiccd": (True, False),
         "options.contact_relaxation": (0.4, 0.8, 1.0),
         "options.contact_weighting": (True, False),
     },
     acts_on={
         **dict.fromkeys(("solver", "iterations"), Effect.CONTACT | Effect.JOINTS),
-        **dict.fromkeys(
-            ("options.cone", "options.contact_steps", "options.contact_damping_ratio", "options.multiccd"), Effect.CONTACT
-        ),
+        **dict.fromkeys(("options.cone", "options.contact_steps", "options.contact_damping_ratio"), Effect.CONTACT),
         "options.impratio": Effect.FRICTION,
         "options.limit_steps": Effect.JOINTS,
         **dict.fromkeys(("options.contact_relaxation", "options.contact_weighting"), Effect.RESTITUTION),

@@ -17,15 +17,13 @@ KNOWN: Mapping[str, Sequence[Any] | Between] = {
     "contact_steps": Between(0.5, 1e4),
     "contact_damping_ratio": Between(0.1, 10.0),
     "limit_steps": Between(0.5, 1e4),
-    "multiccd": (True, False),
     "contact_relaxation": Between(1e-3, 1.0),
     "contact_weighting": (True, False),
     "restitution_iterations": (1, 2, 4, 8, 16),
 }
 """cone, impratio: of MuJoCo-Warp's friction. contact_steps: the time constant of its contacts in steps, at most the vendor's;
-contact_damping_ratio: of them. limit_steps: of its joint limits. multiccd: have pairs of shapes that it finds by iteration up
-to four points, and not one? contact_relaxation, contact_weighting: the share of each contact's correction that XPBD takes, and
-whether it is divided by the contacts of a body. restitution_iterations: of XPBD."""
+contact_damping_ratio: of them. limit_steps: of its joint limits. contact_relaxation, contact_weighting: the share of each
+contact's correction that XPBD takes, and whether it is divided by the contacts of a body. restitution_iterations: of XPBD."""
 _VENDOR: Mapping[str, Mapping[str, Any]] = {
     "mujoco": {
         "cone": "pyramidal",
@@ -33,7 +31,6 @@ _VENDOR: Mapping[str, Mapping[str, Any]] = {
         "contact_steps": None,
         "contact_damping_ratio": 1.0,
         "limit_steps": None,
-        "multiccd": False,
     },
     "xpbd": {"contact_relaxation": 0.8, "contact_weighting": True, "restitution_iterations": 2},
 }

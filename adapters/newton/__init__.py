@@ -164,6 +164,7 @@ ADAPTER = NewtonAdapter(
             f"default/{pair}": "one point of contact carries the weight: the vendor's default, beside its softness of .02 s"
             for pair in _ON_ONE_POINT
         },
+        "tuned/pair_slide_and_friction_loss": "dry friction held as stiffly in single precision: a velocity is off by 7e-5 m/s",
         "default/limits_hold": "Newton's default limits are springs of 1e4 N m/rad: a rod turns .06 rad beyond one",
         "default/dry_friction_beside_a_drive": (
             "the vendor's default softness of dry friction, .02 s: what it holds under two thirds of the bound creeps"

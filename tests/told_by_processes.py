@@ -1,6 +1,7 @@
 """What processes that a test starts say of themselves: a module that loads nothing else, since each of them loads it."""
 
 import ctypes
+import importlib.util
 import math
 import os
 import resource
@@ -11,7 +12,7 @@ from contextlib import suppress
 from multiprocessing.connection import Connection
 from pathlib import Path
 
-__all__ = ["end", "show_flags", "show_libraries", "show_place", "show_threads", "tamper", "tell"]
+__all__ = ["end", "show_flags", "show_libraries", "show_place", "show_threads", "show_where", "tamper", "tell"]
 
 
 def tell(pipe: Connection, name: str) -> None:
@@ -20,6 +21,12 @@ def tell(pipe: Connection, name: str) -> None:
 
 def show_threads(pipe: Connection) -> None:
     pipe.send([os.environ.get(name) for name in ("OMP_NUM_THREADS", "NUMBA_NUM_THREADS")])
+
+
+def show_where(pipe: Connection, name: str) -> None:
+    """Send the file that a module is found in, None where it is nowhere."""
+    found = importlib.util.find_spec(name)
+    pipe.send(None if found is None else found.origin)
 
 
 def show_flags(pipe: Connection) -> None:

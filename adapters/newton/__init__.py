@@ -82,6 +82,12 @@ class NewtonAdapter(Adapter):
 _SPUN = "single precision: each step turns a spin into the body and back, and changes it by some 3e-7 of itself"
 _RAYS = "rays are cast in single precision: 1.4e-5 m off on round shapes, 1e-4 m on planes at a graze and within 50 m"
 
+_ON_ONE_POINT = (
+    *(f"lying_cylinder_rests_on_{ground}" for ground in ("box", "cylinder", "hull", "mesh")),
+    *(f"hull_rests_on_{ground}" for ground in ("box", "cylinder", "hull", "mesh")),
+    *(f"box_rests_on_{ground}" for ground in ("cylinder", "hull", "mesh")),
+)
+
 ADAPTER = NewtonAdapter(
     name="newton",
     title="Newton",
@@ -134,13 +140,13 @@ ADAPTER = NewtonAdapter(
             options={
                 "cone": "elliptic",
                 "impratio": 10.0,
-                "contact_steps": 20.0,
+                "contact_steps": 4.0,
                 "contact_damping_ratio": 1.2,
                 "limit_steps": 2.0,
             },
-            source="elliptic cones, impratio above 1: MuJoCo documentation, Modeling, preventing slip; contacts of at most 20 "
-            "steps and damping ratio 1.2, limits and dry friction of two steps and ratio 1.7: measured on MuJoCo itself "
-            "(`adapters.mujoco`)",
+            source="elliptic cones, impratio above 1: MuJoCo documentation, Modeling, preventing slip; contacts of four steps: "
+            "measured here (a box on a cylinder, which has one point alone, sinks by 0.3 mm, and by 8 mm at 20 steps of 1 ms); "
+            "damping ratio 1.2, limits and dry friction of two steps, of ratio 1.7: measured on MuJoCo (`adapters.mujoco`)",
         ),
     },
     known_failures={
@@ -154,6 +160,15 @@ ADAPTER = NewtonAdapter(
             for check in ("hidden_damping_is_off", "nothing_brakes_a_free_body")
         },
         **{f"{track}/rays_match_closed_forms": _RAYS for track in ("default", "tuned")},
+        **{
+            f"default/{pair}": "one point of contact carries the weight: the vendor's default, beside its softness of .02 s"
+            for pair in _ON_ONE_POINT
+        },
+        "tuned/pair_slide_and_friction_loss": "dry friction held as stiffly in single precision: a velocity is off by 7e-5 m/s",
+        "default/limits_hold": "Newton's default limits are springs of 1e4 N m/rad: a rod turns .06 rad beyond one",
+        "default/dry_friction_beside_a_drive": (
+            "the vendor's default softness of dry friction, .02 s: what it holds under two thirds of the bound creeps"
+        ),
         "default/friction_is_isotropic": "the vendor's default cone is a pyramid: friction towards its edges is up to 41 % off",
     },
     knobs={

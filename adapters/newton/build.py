@@ -29,7 +29,7 @@ def build(vendor: Vendor, scene: Scene, settings: Settings) -> NewtonSimulation:
     effects, used = scene.effects, _resolved(scene, settings)
     builder, bodies, joints = _told(vendor, scene, used)
     model = builder.finalize(device="cpu")
-    moving = _solver(vendor, model, used, effects) if model.body_count else None
+    moving = _solver(vendor, model, used, effects, _room(scene)) if model.body_count else None
     world = World(vendor, model, moving, bodies.links, bodies.owners, joints.driven, _pipeline(vendor, model, used, effects))
     if Effect.JOINTS in effects:
         world.springs = DistanceSprings.of(scene, scene.joints, used.substep)
@@ -52,7 +52,7 @@ def build_worlds(vendor: Vendor, scene: Scene, settings: Settings, count: int) -
     builder.replicate(one, count)
     model = builder.finalize(device="cpu")
     pipeline = _pipeline(vendor, model, used, effects)
-    stepper = Stepper(vendor, model, _solver(vendor, model, used, effects), pipeline, used.substep)
+    stepper = Stepper(vendor, model, _solver(vendor, model, used, effects, _room(scene)), pipeline, used.substep)
     return NewtonWorlds(scene, used, stepper, Layout(count, bodies.links, joints.driven), tuple(_notices(scene, effects)))
 
 
@@ -110,7 +110,19 @@ def _held(used: Settings) -> dict[str, Any]:
     }
 
 
-def _solver(vendor: Vendor, model: Any, used: Settings, effects: Effect) -> Any:
+def _room(scene: Scene) -> tuple[int, int]:
+    """For how many contacts and rows of constraints there is room in a world; Newton's own guess is from those of the start.
+
+    A pair of shapes has at most 8 points; in a heap a shape has a dozen neighbours, shared with them, and 4 points with each.
+    A contact has at most 4 rows, a joint at most 8.
+    """
+    moving = sum(len(body.collision) for body in scene.bodies if body.movable)
+    every = sum(len(body.collision) for body in scene.bodies)
+    contacts = max(16, min(8 * moving * (every - 1), 32 * moving)) if Effect.CONTACT in scene.effects else 0
+    return contacts, 4 * contacts + 8 * (len(scene.joints) + len(scene.bodies)) + 16
+
+
+def _solver(vendor: Vendor, model: Any, used: Settings, effects: Effect, room: tuple[int, int]) -> Any:
     options = used.options
     if used.solver == "xpbd":
         return vendor.newton.solvers.SolverXPBD(
@@ -129,6 +141,8 @@ def _solver(vendor: Vendor, model: Any, used: Settings, effects: Effect) -> Any:
         cone=options["cone"],
         impratio=options["impratio"],
         disable_contacts=Effect.CONTACT not in effects,
+        nconmax=room[0] or None,
+        njmax=room[1],
         kinematic_switchable_roots=False,
     )
 

@@ -38,9 +38,10 @@ def _forces(solver: Any, contact: Any, count: int, frame: Floats) -> Floats:
     pyramid = int(solver.mjw_model.opt.cone) == 0
     local = np.zeros((count, 3))
     for k in range(count):
-        if address[k, 0] < 0:
-            continue
         size = int(sizes[k])
+        # What there was no room for has no row, which `Stepper.notices` tells.
+        if address[k, 0] < 0 or address[k, : max(1, size if not pyramid else 2 * (size - 1))].max() >= len(rows):
+            continue
         if pyramid and size > 1:
             edges = rows[address[k, 0] : address[k, 0] + 2 * (size - 1)]
             local[k, 0] = edges.sum()

@@ -25,7 +25,13 @@ KNOWN: Mapping[str, Sequence[Any] | Between] = {
 contact_damping_ratio: of them. limit_steps: of its joint limits. contact_relaxation, contact_weighting: the share of each
 contact's correction that XPBD takes, and whether it is divided by the contacts of a body. restitution_iterations: of XPBD."""
 _VENDOR: Mapping[str, Mapping[str, Any]] = {
-    "mujoco": {"cone": "pyramidal", "impratio": 1.0, "contact_steps": None, "contact_damping_ratio": 1.0, "limit_steps": None},
+    "mujoco": {
+        "cone": "pyramidal",
+        "impratio": 1.0,
+        "contact_steps": None,
+        "contact_damping_ratio": 1.0,
+        "limit_steps": None,
+    },
     "xpbd": {"contact_relaxation": 0.8, "contact_weighting": True, "restitution_iterations": 2},
 }
 

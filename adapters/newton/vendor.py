@@ -3,6 +3,8 @@
 import importlib
 import os
 import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
@@ -27,16 +29,28 @@ class Vendor:
 
 def load() -> Vendor:
     """The modules newton and warp, on the processor. Raises: Unavailable."""
-    os.environ.setdefault("WARP_LOG_LEVEL", "error")
     try:
         warp = importlib.import_module("warp")
-        warp.config.quiet = True
-        if hasattr(warp, "LOG_ERROR"):
-            warp.config.log_level = warp.LOG_ERROR
+        warp.config.log_level = warp.LOG_ERROR
+        with _unheard():
+            warp.init()
         newton = importlib.import_module("newton")
     except ImportError as error:
         raise Unavailable(f"newton cannot be imported ({error}); install newton 1.8 with mujoco-warp 4.0 or later") from error
     return Vendor(newton, warp)
+
+
+@contextmanager
+def _unheard() -> Iterator[None]:
+    """What native code says on standard error goes nowhere: that no graphics card has a driver, which nothing asks for."""
+    kept, nowhere = os.dup(2), os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, 2)
+    try:
+        yield
+    finally:
+        os.dup2(kept, 2)
+        os.close(kept)
+        os.close(nowhere)
 
 
 def mujoco_solver(newton: Any, model: Any, **options: Any) -> Any:

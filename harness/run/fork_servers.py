@@ -133,7 +133,7 @@ class ForkServer:
         except EOFError:
             raise ConnectionError("a fork server died") from None
         with suppress(ConnectionError):  # one that has died says so by its end
-            pipe.send_bytes(pickle.dumps((_here(), absolute(sys.path), pickle.dumps((function, arguments)))))
+            pipe.send_bytes(pickle.dumps((_here(), _path(self._origin), pickle.dumps((function, arguments)))))
         return process
 
     def end(self) -> None:
@@ -210,7 +210,7 @@ _ours = os.getpid()
 
 def _born(origin: Origin, orders: socket.socket) -> Any:
     """The process of a server. Numeric libraries use one thread in it."""
-    environment, path = origin.environment, absolute(sys.path)
+    environment, path = origin.environment, _path(origin)
     variables = os.environ | dict.fromkeys(_THREADS, "1") | dict(origin.variables)
     if sys.dont_write_bytecode:
         variables["PYTHONDONTWRITEBYTECODE"] = "1"
@@ -224,6 +224,12 @@ def _born(origin: Origin, orders: socket.socket) -> Any:
         stdin=subprocess.DEVNULL,
         pass_fds=[orders.fileno()],
     )
+
+
+def _path(origin: Origin) -> list[str]:
+    """Where a process of this origin looks for modules: as this one does, in an environment's own folders before."""
+    path, environment = absolute(sys.path), origin.environment
+    return path if environment is None else list(dict.fromkeys([*project_folders(), *environment.path, *path]))
 
 
 def _preload(origin: Origin) -> list[str]:

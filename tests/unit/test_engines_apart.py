@@ -1,6 +1,7 @@
 """Engines that plumbline does not bring along: what is said of them, how they are installed, and that they cost there what they
 cost here."""
 
+import sys
 from dataclasses import replace
 from importlib.metadata import distribution
 from pathlib import Path
@@ -10,6 +11,7 @@ import pytest
 from plumbline.harness.adapter import Adapter, Extra
 from plumbline.harness.findings.samples import ratio_in_blocks, samples_by_block
 from plumbline.harness.run.campaign import carry_out
+from plumbline.harness.run.fork_servers import Origin, start
 from plumbline.harness.run.make_environment import ensure
 from plumbline.harness.study import environments, plugins
 from plumbline.harness.study.engine_versions import EngineVersion
@@ -17,6 +19,8 @@ from plumbline.harness.study.environments import Environment, elsewhere, folder_
 from plumbline.harness.study.experiment import Experiment
 from plumbline.harness.study.study import Study
 from tests.conftest import Command
+from tests.light_servers import light_servers
+from tests.told_by_processes import show_where
 
 EXTRAS = [name for name, adapter in plugins.adapters().items() if adapter.extra is not None]
 
@@ -83,6 +87,18 @@ def test_an_engine_that_is_installed_here_runs_here_whatever_lies_elsewhere(nowh
     found = elsewhere("mujoco")
     assert found is not None
     assert found.version == "1"
+
+
+@pytest.mark.parametrize("named", ["only_there", "colorsys"])
+def test_a_process_of_an_environment_finds_what_lies_there_before_what_lies_here(named: str, tmp_path: Path) -> None:
+    """A module that is there alone, and one of a name that is here too, as another version of an engine is."""
+    (tmp_path / f"{named}.py").touch()
+    with light_servers():
+        process = start(Origin(environment=Environment(sys.executable, (str(tmp_path),))), show_where, named)
+        try:
+            assert process.pipe.recv() == str(tmp_path / f"{named}.py")
+        finally:
+            process.end()
 
 
 @pytest.mark.slow

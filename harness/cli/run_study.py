@@ -18,6 +18,7 @@ from plumbline.harness.cli.own_import import scene_to_run
 from plumbline.harness.cli.own_scene import closing_count, closing_words, waiting
 from plumbline.harness.cli.robot_options import NAMES, is_robot, is_scene, robot_options, run_options
 from plumbline.harness.cli.support import support_lines
+from plumbline.harness.cli.zoo_run import ZOO, run_zoo
 from plumbline.harness.intake.safe_text import quoted
 
 if TYPE_CHECKING:
@@ -125,6 +126,12 @@ def run(
     **robot: Any,
 ) -> None:
     """Run STUDY: a built-in name (quick, accuracy, price, limits, effects, ...), a study file, a scene or robot of your own."""
+    how: bool | Literal["merge"] = "merge" if resume == "merge" else resume is not None
+    if study == ZOO and not any(robot.values()):
+        if scheduler is not None or shard != (1, 1):
+            raise click.BadParameter("its robots lie on this machine, expected none", param_hint="--scheduler, --shard")
+        run_zoo(out or Path("build") / ZOO, globs, engine_names, agreed=agreed, workers=workers, resume=how, budget=budget)
+        return
     own, of_robot = is_scene(study), is_robot(Path(study))
     if own:
         study = scene_to_run(study, out or Path("build") / "scene", robot)
@@ -151,7 +158,6 @@ def run(
     for sentence in support_lines(chosen, adapters, of_robot):
         say(sentence, err=True)
     try:
-        how: bool | Literal["merge"] = "merge" if resume == "merge" else resume is not None
         guide = waiting(chosen, folder, budget) if own else UNGUIDED
         with at_work(scheduler) as cluster, until(guide.end):
             store = carry_out(

@@ -30,7 +30,7 @@ from plumbline.harness.study.environments import (
 
 _INSTALLS = 900.0
 _TRIES = 300.0
-"""Seconds that installing, and the checks of `harness.conformance.smoke`, may take."""
+"""Seconds that installing, and the checks of `harness.conformance.smoke`, may take, beside what the engine compiles."""
 _LONGEST = 400
 _ADDRESS = re.compile(r"\b[a-z+]+://\S+")
 _FRAME = re.compile(r"[^\x00-\x7f]+")
@@ -123,11 +123,11 @@ def _run(command: Sequence[str]) -> str:
     if ended.code is None:
         raise NotMade(f"its environment was not made within {_INSTALLS:g} s")
     if ended.code != 0:
-        raise NotMade(_last(ended.err.decode("utf-8", "replace")) or f"{command[0]} {ended.how}")
+        raise NotMade(last_error(ended.err.decode("utf-8", "replace")) or f"{command[0]} {ended.how}")
     return ended.out.decode("utf-8", "replace")
 
 
-def _last(said: str) -> str:
+def last_error(said: str) -> str:
     """The last error that was told, on one line, without addresses: they may hold what is nobody's business."""
     lines = [_FRAME.sub(" ", line).strip() for line in said.splitlines()]
     errors = [line for line in lines if line.startswith(("ERROR", "error"))] or [line for line in lines if line]
@@ -138,9 +138,10 @@ def _tried(version: EngineVersion, digest: str) -> Environment:
     """The environment as the smoke checks find it. Raises: NotMade, OSError."""
     interpreter, ours = str(_interpreter(folder_of(version.name))), project_folders()
     command = [interpreter, "-P", "-m", "plumbline.harness.conformance.smoke", version.engine]
-    ended = bounded(command, _TRIES, answers=True, env={**os.environ, "PYTHONPATH": os.pathsep.join(ours)})
+    allowed = _TRIES + plugins.adapter(version.engine).compile_allowance
+    ended = bounded(command, allowed, answers=True, env={**os.environ, "PYTHONPATH": os.pathsep.join(ours)})
     if ended.code is None or not ended.answer:
-        words = _last(ended.err.decode("utf-8", "replace"))
+        words = last_error(ended.err.decode("utf-8", "replace"))
         return Environment(interpreter, reason=f"its smoke checks {ended.how}{': ' * bool(words)}{words}", sources=digest)
     found = json.loads(ended.answer)
     path = tuple(place for place in found["path"] if place not in ours)

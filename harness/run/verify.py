@@ -13,7 +13,7 @@ import pandas as pd
 
 from plumbline.harness.findings.summary import summaries
 from plumbline.harness.run.resume import merged
-from plumbline.harness.store import disk
+from plumbline.harness.store import disk, zoo_record
 from plumbline.harness.store.arrays import read_arrays
 from plumbline.harness.store.imported_scenes import FOLDER as SCENES
 from plumbline.harness.store.imported_scenes import MINIMAL, unsound
@@ -25,6 +25,7 @@ from plumbline.harness.store.seal import Damaged, check_seal, require_seal
 from plumbline.harness.store.store import Store, ends_early, read_plain
 from plumbline.harness.store.stored_tables import COLUMNS, in_parquet
 from plumbline.harness.store.trajectory_file import kept_hash
+from plumbline.harness.store.zoo_record import FOLDER as ZOO
 
 _ANEW = "--resume makes it anew"
 _DELETE = "nothing needs it; delete it"
@@ -215,6 +216,8 @@ def _truths(folder: Path) -> Iterator[Problem]:
 def _imports(folder: Path) -> Iterator[Problem]:
     for path, what in unsound(folder):
         yield Problem(path, what, "run the robot's file again into this folder with --resume")
+    for path, what in zoo_record.unsound(folder):
+        yield Problem(path, what, "delete it; run zoo with --resume takes that robot in anew")
 
 
 def _summaries(store: Store, index: Index, written: Mapping[str, str]) -> Iterator[Problem]:
@@ -235,7 +238,7 @@ def _summaries(store: Store, index: Index, written: Mapping[str, str]) -> Iterat
 
 def _strangers(folder: Path, index: Index) -> Iterator[Problem]:
     known = {"journal.jsonl", *_KEPT, "junit.xml", "summary.md", *(f"{name}.parquet" for name in COLUMNS)}
-    known |= {*_SHOWN, *_OF_A_NIGHT, SCENES, "trajectories", "truths", "logs"}
+    known |= {*_SHOWN, *_OF_A_NIGHT, SCENES, ZOO, "trajectories", "truths", "logs"}
     trials = {*index.entries, *index.lost, *(trial for session in index.sessions for trial in session["trials"])}
     logs = (path for path in (folder / "logs").glob("*") if path.suffix != ".log" or path.stem not in trials)
     drafts = (folder / "recordings").glob(".*")

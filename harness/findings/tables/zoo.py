@@ -1,0 +1,177 @@
+"""Which robots of a zoo go in, into which engine, and what becomes of them there: one row a robot and engine.
+
+A robot that does not go in has a row without an engine, with its reason.
+"""
+
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import PurePath
+from typing import Any
+
+from plumbline.harness.case.own_titles import OWN
+from plumbline.harness.findings.agreement.costs import WITHIN
+from plumbline.harness.findings.columns import Column, Row, Table, names, plain
+from plumbline.harness.findings.tables import agreement, causes
+from plumbline.harness.store.store import Store
+from plumbline.harness.store.zoo_record import Entry, InEngine, Stage, entries
+
+RUNS = ("agrees", "converges elsewhere", "converges", "does not converge")
+"""Verdicts of what ran to its end."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class InZoo:
+    """One robot and engine, on the track that says most for the engine: tuned unless that gives no answer.
+
+    Terms:
+        robot, title, package, version, licence: see `harness.store.zoo_record.Entry`. stage: how far the robot came. case: of
+        its runs, '' without. bodies, joints. needed: kinds of elements that no scene has words for and that are left out;
+        drops: what this engine would have to have left out beyond that; dropped: all that is left out of what is run; separated
+        by blanks. engine: '' where the robot does not go in. enters: does the engine take it? reason: why not. track, verdict:
+        of what was run, '' where nothing was. away: of its limit from the agreed one, a share of the size; bar: how well its
+        own is known. cost: CPU seconds for a simulated second at an error of a hundredth of the size or less, None where no run
+        comes so near. cause: the setting that sets it apart. omission [m]: how far what was dropped moves any body, by this
+        engine's runs with and without; omission_until [s].
+    """
+
+    robot: str
+    title: str
+    package: str
+    version: str
+    licence: str
+    stage: Stage
+    case: str = ""
+    bodies: int = 0
+    joints: int = 0
+    needed: str = ""
+    drops: str = ""
+    dropped: str = ""
+    engine: str = ""
+    enters: bool = False
+    reason: str = ""
+    track: str = ""
+    verdict: str = ""
+    away: float | None = None
+    bar: float | None = None
+    cost: float | None = None
+    cause: str = ""
+    omission: float | None = None
+    omission_until: float | None = None
+
+
+def in_zoo(store: Store) -> list[InZoo]:
+    """All robots of a zoo with all engines; nothing of a folder that is none's."""
+    found = list(entries(store.folder))
+    if not found:
+        return []
+    verdicts = agreement.TABLE.rows(store)
+    turned = {
+        (row["case"], row["engine"], row["track"]): f"{row['setting']} = {row['value']}"
+        for row in causes.TABLE.rows(store)
+        if row["cause"]
+    }
+    by_scene = {case_key(row["case"]): row["case"] for row in verdicts}
+    rows: list[InZoo] = []
+    for entry in found:
+        case = by_scene.get(case_key(entry.scene), "") if entry.scene else ""
+        mine = [row for row in verdicts if case and row["case"] == case]
+        rows += [_row(entry, case, each, _counted(each.engine, mine), turned) for each in entry.engines] or [
+            InZoo(**_about(entry), reason=entry.reason)
+        ]
+    return rows
+
+
+def case_key(name: str) -> str:
+    """What a scene file and the case made of it share, wherever the folder lies."""
+    path = PurePath(name.removeprefix(OWN))
+    return f"{path.parent.name}/{path.name}"
+
+
+def _about(entry: Entry) -> dict[str, Any]:
+    return {
+        "robot": entry.name, "title": entry.title, "package": entry.package, "version": entry.version,
+        "licence": entry.licence, "stage": entry.stage, "bodies": entry.bodies, "joints": entry.joints,
+        "needed": " ".join(entry.needed), "dropped": " ".join(entry.dropped),
+    }  # fmt: skip
+
+
+def _counted(engine: str, rows: Sequence[Row]) -> Row | None:
+    """The row of an engine's tuned track, of another one where that gave no answer."""
+    mine = sorted(
+        (row for row in rows if row["engine"] == engine), key=lambda row: (row["verdict"] not in RUNS, row["track"] != "tuned")
+    )
+    return mine[0] if mine else None
+
+
+def _row(entry: Entry, case: str, engine: InEngine, found: Row | None, turned: Mapping[tuple[str, str, str], str]) -> InZoo:
+    about = _about(entry) | {"case": case, "engine": engine.engine, "drops": " ".join(engine.drops)}
+    if engine.verdict != "can":
+        return InZoo(**about, reason=f"{engine.verdict}: {engine.reason}")
+    if found is None:
+        return InZoo(**about, enters=True)
+    return InZoo(
+        **about,
+        enters=True,
+        reason=found["why"],
+        track=found["track"],
+        verdict=found["verdict"],
+        away=found["distance"],
+        bar=found["bar"],
+        cost=_price(found),
+        cause=turned.get((case, engine.engine, found["track"]), ""),
+        omission=found["omission"],
+        omission_until=found["omission_until"],
+    )
+
+
+def _price(found: Row) -> float | None:
+    """The least that a run costs that errs by a hundredth of the size or less."""
+    pairs = zip(json.loads(found["errors"]), json.loads(found["costs"]), strict=True)
+    return min((cost for error, cost in pairs if error is not None and cost is not None and error <= WITHIN), default=None)
+
+
+def _sentences(rows: Sequence[Row]) -> list[str]:
+    return list(_words(rows))
+
+
+def _words(rows: Sequence[Row]) -> Iterator[str]:
+    """How many robots go in, into which engines, and how many agree."""
+    robots = dict.fromkeys(row["robot"] for row in rows)
+    if not robots:
+        yield "No robot of this folder was taken in by a zoo."
+        return
+    inside = {row["robot"] for row in rows if row["enters"]}
+    engines = list(dict.fromkeys(row["engine"] for row in rows if row["engine"]))
+    ran = {engine: {row["robot"] for row in rows if row["engine"] == engine and row["verdict"] in RUNS} for engine in engines}
+    everywhere = len(set.intersection(*ran.values())) if ran else 0
+    yield f"{len(inside)} of {len(robots)} robots go in; {everywhere} run on all of {', '.join(engines) or 'no engine'}."
+    for engine in engines:
+        words = [row["verdict"] for row in rows if row["engine"] == engine and row["verdict"]]
+        counted = ", ".join(f"{word} {words.count(word)}" for word in dict.fromkeys((*RUNS, *words)) if word in words)
+        yield f"{engine}: {counted or 'nothing was run'}."
+    outside = [row["stage"] for row in rows if not row["engine"]]
+    if outside:
+        counted = ", ".join(f"{stage} {outside.count(stage)}" for stage in dict.fromkeys(outside))
+        yield f"Of those that do not go in: {counted}."
+
+
+def _verdict(row: Row) -> str:
+    """What became of a robot, in the room that a terminal has."""
+    return row["verdict"] or ("not run" if row["enters"] else f"{row['stage']}: {row['reason'][:90]}")
+
+
+TABLE = Table(
+    columns=names(InZoo),
+    objects=in_zoo,
+    shown=(
+        *plain("robot", "engine"),
+        Column("dropped", lambda row: row["dropped"] or row["needed"]),
+        Column("verdict", _verdict),
+        Column("away", "away", ".2g"),
+        Column("cost", "cost", ".2g"),
+        *plain("cause"),
+        Column("omission", "omission", ".2g", " m"),
+    ),
+    sentences=_sentences,
+)

@@ -1,0 +1,113 @@
+"""What became of each robot of a zoo: one sealed file a robot in the run folder, which a later run of it goes on from."""
+
+import json
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+from pydantic import TypeAdapter, ValidationError
+
+from plumbline.harness.store import disk
+from plumbline.harness.store.seal import Damaged, check_seal, sealed_json
+
+FOLDER = "zoo"
+Stage = Literal["in", "not here", "not read", "refused", "no engine"]
+"""How far a robot came: it runs; its files could not be had; reading them did not end; they are refused; no engine can build
+it."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class InEngine:
+    """One engine and a robot.
+
+    Terms: verdict: can it build the robot? drops: the least that has to be left out for that, beyond what no scene has words
+    for. reason: why it cannot; of one that can, what it says of the robot with nothing left out, '' where it takes all of it.
+    """
+
+    engine: str
+    verdict: Literal["can", "cannot", "unavailable", "failed"]
+    drops: tuple[str, ...] = ()
+    reason: str = ""
+
+    def plain(self) -> dict[str, Any]:
+        """As JSON has it."""
+        return asdict(self)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Entry:
+    """One robot.
+
+    Terms: name: unique in a zoo. package, version: what brought it along. licence: in the package's words. file: within the
+    package. key: what this answer rests on. reason: why it does not go in. scene: its file within the run folder. scenario:
+    what happens to it. needed: kinds of elements without which alone it is a scene; dropped: all that is left out of what is
+    run. bodies: that move. joints: of the scene.
+    """
+
+    name: str
+    title: str
+    package: str
+    version: str
+    licence: str
+    file: str
+    key: str
+    stage: Stage = "not here"
+    reason: str = ""
+    scene: str = ""
+    scenario: str = ""
+    needed: tuple[str, ...] = ()
+    dropped: tuple[str, ...] = ()
+    engines: tuple[InEngine, ...] = ()
+    bodies: int = 0
+    joints: int = 0
+
+    def plain(self) -> dict[str, Any]:
+        """As JSON has it."""
+        return asdict(self)
+
+    @staticmethod
+    def of(plain: dict[str, Any]) -> "Entry":
+        """From JSON. Raises: ValidationError."""
+        return _FORM.validate_python(plain)
+
+
+_FORM: TypeAdapter[Entry] = TypeAdapter(Entry)
+
+
+def write(folder: Path, entry: Entry) -> None:
+    """Keep an entry. Raises: OSError."""
+    disk.make_folder(folder / FOLDER)
+    path = folder / FOLDER / f"{entry.name}.json"
+    disk.write_atomically(path, sealed_json(path.name, entry.plain()))
+
+
+def entries(folder: Path) -> Iterator[Entry]:
+    """The entries of a run folder in the order of their names; none of one that is no zoo's. Raises: Damaged."""
+    for path in sorted((folder / FOLDER).glob("*.json")):
+        yield _read(path)
+
+
+def unsound(folder: Path) -> Iterator[tuple[Path, str]]:
+    """The files of the folder that are not as they were written, each with what is wrong."""
+    for path in sorted((folder / FOLDER).glob("*")):
+        try:
+            _read(path)
+        except (Damaged, OSError) as error:
+            yield path, str(error)
+
+
+def _read(path: Path) -> Entry:
+    content = disk.read(path)
+    if not check_seal(path, content):
+        raise Damaged(f"{path}: it has no checksum")
+    table = json.loads(content)
+    del table["checksum"]
+    try:
+        entry = Entry.of(table)
+    except ValidationError as error:
+        first = error.errors()[0]
+        raise Damaged(f"{path}: {'.'.join(map(str, first['loc']))}: {first['msg']}") from None
+    if f"{entry.name}.json" != path.name:
+        raise Damaged(f"{path}: it is of robot {entry.name!r}")
+    return entry

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 
-from plumbline.harness.adapter import Adapter, Feature
+from plumbline.harness.adapter import Adapter
 from plumbline.harness.study import plugins
 
 ROOT = Path(__file__).parents[1]

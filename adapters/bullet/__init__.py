@@ -298,13 +298,13 @@ ADAPTER = BulletAdapter(
         ),
         Emulation(
             feature=Feature.SPRINGS,
-            how="pybullet's PD_CONTROL holds the force of a step's start over it and blows up where that is long; the adapter works "
-            "out a torque for each (sub)step",
+            how="pybullet's PD_CONTROL holds the force of a step's start over it and blows up where that is long; the adapter "
+            "works out a torque for each (sub)step",
         ),
         Emulation(
             feature=Feature.DRIVES,
-            how="Bullet's position motor is a velocity constraint without a stiffness in N m/rad, its PD_CONTROL the torque of a "
-            "step's start, held over it; the adapter works out a torque for each (sub)step",
+            how="Bullet's position motor is a velocity constraint without a stiffness in N m/rad, its PD_CONTROL the torque of "
+            "a step's start, held over it; the adapter works out a torque for each (sub)step",
         ),
         Emulation(
             feature=Feature.ARMATURE,

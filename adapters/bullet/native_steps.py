@@ -12,7 +12,7 @@ FEWEST = 4
 
 
 def length_of(count: int, h: float) -> float | None:
-    """The length [s] of a step that falls into `count` steps of exactly h [s], none lost to rounding; None where none is near."""
+    """The length [s] of a step that falls into `count` steps of exactly h [s], none lost; None where none is near."""
     length = count * h
     for _ in range(4):
         if length / count == h and length / h >= count:

@@ -227,10 +227,10 @@ def check_shapes(body: Body) -> None:
 def check_pairs(scene: Scene) -> None:
     """Refuse two meshes of triangles that may meet. Raises: Unsupported."""
     meshes = [body for body in scene.bodies if any(isinstance(placed.shape, TriangleMesh) for placed in body.collision)]
-    for one, other in itertools.combinations(meshes, 2):
-        if (one.motion != "static" or other.motion != "static") and scene.collides(one, other):
+    for body, other in itertools.combinations(meshes, 2):
+        if (body.motion != "static" or other.motion != "static") and scene.collides(body, other):
             raise Unsupported(
-                f"meshes of bodies '{one.name}' and '{other.name}'",
+                f"meshes of bodies '{body.name}' and '{other.name}'",
                 "Bullet lets two meshes of triangles pass through each other",
             )
 

@@ -19,8 +19,9 @@ Deviations:
     * Speeds beyond 1e18 are refused by the first step.
     * Friction has one coefficient. 'simplified', the default, is a cone; 'coulomb' is a box that errs by 15 % along the axes of
       a box of 0.2 m and by 8 % between them. 'simplified' brakes the spin of a face too; that of a ball, and rolling, never.
-    * Of a contact's force 'simplified' tells the normal part alone, 'coulomb' two numbers along directions that it does not tell:
-      forces of contacts are not claimed, and nothing is judged by them. Points are of the start of the step, means over its sub-steps.
+    * Of a contact's force 'simplified' tells the normal part alone, 'coulomb' two numbers along directions that it does not
+      tell: forces of contacts are not claimed, and nothing is judged by them. Points are of the start of the step, means over
+      its sub-steps.
     * Joints between free bodies ('joints': 'impulse', the default) are constraints of 1e6 Hz: a pendulum of 60 degrees loses
       1.8 % of m g l in 10 s at 4 sub-steps of 1/960 s. A chain of ten opens by 1.6 mm. 'multibody', on 'tuned', has trees of
       hinges, slides and fixed joints in reduced coordinates (0.2 %). Balls, what is damped or prescribed, what closes loops,

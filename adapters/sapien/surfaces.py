@@ -32,8 +32,8 @@ def materials_of(sapien: Any, scene: Scene) -> dict[Kind, Any]:
 
 
 def patches_of(scene: Scene) -> dict[Kind, float]:
-    """The radius [m] of the patch of each kind of body: of two the larger times mu N is what brakes a spin. Raises: Unsupported."""
-    if not Effect.CONTACT | Effect.TORSIONAL_FRICTION in scene.effects:
+    """Radii [m] of patches by kind of body: of two the larger times mu N is what brakes a spin. Raises: Unsupported."""
+    if Effect.CONTACT | Effect.TORSIONAL_FRICTION not in scene.effects:
         return {}
     levers = {
         pair: law.torsional_friction / law.kinetic_friction if law.torsional_friction > 0 else 0.0

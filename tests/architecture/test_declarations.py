@@ -9,7 +9,7 @@ from plumbline.harness.findings.vendor.shelf import shelf
 from tests.claims_made import ENGINES, PAGE, claims, plain
 
 ROOT = Path(__file__).parents[2]
-OUTCOMES = ("stands", "narrowed", "reworded", "mended", "withdrawn", "of no engine")
+OUTCOMES = ("stands", "narrowed", "reworded", "mended", "withdrawn", "untried", "of no engine")
 """What a row's outcome begins with; the last is of sentences that name an engine and say nothing against it."""
 
 

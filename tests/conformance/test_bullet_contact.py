@@ -304,11 +304,3 @@ def test_hulls_and_meshes_have_no_margin_on_tuned(static: bool) -> None:
         height = state_of(simulation, scene).p_WB[1, 2]
     # The slop of 1e-5 m is left; the vendor's margin is 1e-3 m.
     assert height == pytest.approx(0.1, abs=5e-5)
-
-
-def test_a_moving_triangle_mesh_is_refused() -> None:
-    mesh = TriangleMesh(
-        vertices=((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)), faces=((0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3))
-    )
-    with pytest.raises(Unsupported, match="convex"):
-        ADAPTER.build(Scene(bodies=(Body(name="body", collision=(PlacedShape(shape=mesh),)),)), TUNED)

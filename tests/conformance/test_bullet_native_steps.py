@@ -20,7 +20,8 @@ def pile() -> Scene:
     """Three cubes above each other, askew, over the ground."""
     cubes = tuple(
         Body(
-            name=f"cube_{k}", material="cube", p_WB=(0.02 * k, 0.0, 0.15 + 0.25 * k), q_WB=(math.cos(0.1), math.sin(0.1), 0.0, 0.0),
+            name=f"cube_{k}", material="cube", p_WB=(0.02 * k, 0.0, 0.15 + 0.25 * k),
+            q_WB=(math.cos(0.1), math.sin(0.1), 0.0, 0.0),
             inertia=((1 / 150, 0, 0), (0, 1 / 150, 0), (0, 0, 1 / 150)), collision=(PlacedShape(shape=CUBE),),
         )
         for k in range(3)

@@ -53,7 +53,7 @@ def test_pd_control_is_a_spring_in_newtons_per_metre_with_the_force_of_the_step_
 
 
 def test_pd_control_blows_up_where_a_step_is_long_for_it(world: World) -> None:
-    """h^2 k/m = 5 is beyond the 4 that such a scheme bears: k 5.8e5 N/m on 2 kg, which a joint spring of any stiffness is not."""
+    """h^2 k/m = 5 is beyond the 4 that such a scheme bears: k 5.8e5 N/m on 2 kg."""
     assert abs(pd(world, 5 * 2.0 / DT**2, 0.0, 0.2)) > 100.0
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from tests.vendor.dart_world import G, UP, dartpy, make_ground, make_mover, make_pose, make_world
+from tests.vendor.dart_world import UP, G, dartpy, make_ground, make_mover, make_pose, make_world
 
 pytestmark = pytest.mark.dart
 
@@ -131,7 +131,7 @@ def test_nothing_in_dartpy_has_such_a_name(word: str) -> None:
 def test_a_surface_is_one_friction_and_one_restitution_and_a_pair_has_no_word_of_its_own() -> None:
     told = [name for name in dir(dartpy.dynamics.DynamicsAspect) if name.startswith("set")]
     assert told == ["setFrictionCoeff", "setRestitutionCoeff"]
-    assert not [name for name in dir(dartpy.constraint) if "Surface" in name or "Contact" in name and "Options" not in name]
+    assert not [name for name in dir(dartpy.constraint) if "Surface" in name or ("Contact" in name and "Options" not in name)]
 
 
 def test_loops_are_closed_by_balls_hinges_welds_and_cylinders_alone() -> None:

@@ -149,7 +149,8 @@ def test_a_rod_gives_way_by_its_time_constant(kind: str, constant: float, off: f
 @pytest.mark.parametrize(("constant", "rate"), [(0.02, 1.056e-3), (2 * DT, 4.40e-4)])
 def test_dry_friction_lets_what_it_holds_creep_by_its_time_constant(constant: float, rate: float) -> None:
     """2 kg under 2 N against a bound of 3 N."""
-    slide = f'<body><joint type="slide" axis="0 0 1" frictionloss="3" solreffriction="{constant} 1"/><geom size="0.1" mass="2"/></body>'
+    joint = f'<joint type="slide" axis="0 0 1" frictionloss="3" solreffriction="{constant} 1"/>'
+    slide = f'<body>{joint}<geom size="0.1" mass="2"/></body>'
     model, data = load(slide, DT, gravity=1.0)
     mujoco.mj_step(model, data, 480)
     assert -float(data.qvel[0]) == pytest.approx(rate, rel=0.02)
@@ -176,9 +177,10 @@ LEVERS = (0.4, 0.5, 2 / 3, 1.0)
 
 
 def thrown(dt: float, constant: float, ratio: float, **option: str) -> float:
-    """The greatest error [m/s], looked at 60 times a second, of balls of 0.1 m thrown at 5 m/s without spin on mu 0.3 (Coulomb, mu g)."""
-    law = f'condim="3" friction="0.3 0 0" solref="{constant!r} {ratio}" solimp="0.999 0.999 0.001"' if ratio != 1 else (
-        f'condim="3" friction="0.3 0 0" solref="{constant!r} 1"')  # fmt: skip
+    """The greatest error [m/s], seen 60 times a second, of balls of 0.1 m thrown at 5 m/s without spin on mu 0.3 (Coulomb)."""
+    law = f'condim="3" friction="0.3 0 0" solref="{constant!r} {ratio}"'
+    if ratio != 1:
+        law += ' solimp="0.999 0.999 0.001"'
     world = f'<geom type="plane" size="0 0 1" {law}/>'
     for k, lever in enumerate(LEVERS):
         moment = lever * 0.01

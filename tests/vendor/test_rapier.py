@@ -173,7 +173,7 @@ def test_an_impulse_joint_that_closes_a_loop_of_hinges_stops_multibodies_dead() 
 
 
 def swung(armature: float | None) -> float:
-    """The rate of fall [m/s] after 0.1 s of a bob of 1 kg, level on a hinge a metre away, by a rotor of that inertia [kg m2]."""
+    """The rate of fall [m/s] after 0.1 s of a bob of 1 kg, a metre from its hinge. Args: armature: of its rotor [kg m2]."""
     here = world()
     anchor, bob = here.add_body(rapier.RigidBody.fixed(), []), here.add_body(solid(1.0, (1e-2,) * 3, (1.0, 0.0, 0.0)), [])
     turned = rapier.Rotation3(math.sqrt(0.5), 0.0, 0.0, math.sqrt(0.5))
@@ -209,7 +209,7 @@ def test_a_rope_has_no_least_length() -> None:
 def test_friction_is_told_by_the_coulomb_model_alone_and_along_directions_that_it_does_not_tell(
     model: str, told: float
 ) -> None:
-    """A box that is pushed by 3 N and held: the sums of both tangent numbers over its four points, and no word of a direction."""
+    """A box that is pushed by 3 N and held: the sums of both tangent numbers over its points, and no word of a way."""
     here = world()
     here.integration_parameters.friction_model = getattr(rapier.FrictionModel, model)
     here.add_body(rapier.RigidBody.fixed(), [rapier.Collider.halfspace((0.0, 0.0, 1.0)).friction(0.5)])

@@ -22,9 +22,9 @@ def taken_in(folder: Path, robots: Sequence[Robot], engines: Sequence[str], work
 
     Whose publisher could not be reached once is not asked again for the rest of a package. Raises: OSError.
     """
-    known = {entry.name: entry for entry in zoo_record.entries(folder)}
+    entries = {entry.name: entry for entry in zoo_record.entries(folder)}
     keys = {robot.name: key for robot, key in zip(robots, _keys(robots, engines), strict=True)}
-    new = [robot for robot in robots if not _holds(folder, known.get(robot.name), keys[robot.name])]
+    new = [robot for robot in robots if not _holds(folder, entries.get(robot.name), keys[robot.name])]
     unreached: dict[str, str] = {}
 
     def take(robot: Robot) -> Entry:
@@ -39,7 +39,7 @@ def taken_in(folder: Path, robots: Sequence[Robot], engines: Sequence[str], work
         try:
             for entry in side_by_side.map(take, new):
                 zoo_record.write(folder, entry)
-                known[entry.name] = entry
+                entries[entry.name] = entry
                 progress.advance(f"{entry.name} {entry.stage}")
         except BaseException:
             side_by_side.shutdown(wait=False, cancel_futures=True)
@@ -47,7 +47,7 @@ def taken_in(folder: Path, robots: Sequence[Robot], engines: Sequence[str], work
                 with suppress(psutil.Error):
                     child.kill()
             raise
-    return [known[robot.name] for robot in robots]
+    return [entries[robot.name] for robot in robots]
 
 
 def _unread(robot: Robot, key: str) -> Entry:
@@ -63,7 +63,7 @@ def _unread(robot: Robot, key: str) -> Entry:
 
 
 def _holds(folder: Path, entry: Entry | None, key: str) -> bool:
-    """Is what is known of a robot still so? What was not on this machine may be by now."""
+    """Is what is entries of a robot still so? What was not on this machine may be by now."""
     if entry is None or entry.key != key or entry.stage == "not here":
         return False
     return not entry.scene or (folder / entry.scene).is_file()

@@ -10,10 +10,11 @@ import pytest
 from click.testing import CliRunner
 
 from plumbline.harness.cli.main import main
-from plumbline.harness.cli.zoo_run import RobotByRobot, carried_out, zoo_robots
+from plumbline.harness.cli.zoo_run import carried_out, zoo_robots
 from plumbline.harness.findings import tables
 from plumbline.harness.intake.error import PlumblineError
 from plumbline.harness.run import zoo_intake, zoo_packages
+from plumbline.harness.run.robot_by_robot import RobotByRobot
 from plumbline.harness.run.verify import problems
 from plumbline.harness.run.zoo_intake import taken_in
 from plumbline.harness.store import zoo_record

@@ -153,10 +153,10 @@ def _in_engine(engine: str, scenes: dict[Drops, Scene]) -> InEngine:
     home, form = elsewhere(engine), tuple[Verdict, list[str], str]
     try:
         if home is None:
-            verdict, drops, said = apart(form, allowed, least_for, engine, scenes)
+            verdict, drops, words = apart(form, allowed, least_for, engine, scenes)
         else:
             path = project_folders()
-            verdict, drops, said = apart(form, allowed, least_for, engine, scenes, interpreter=home.executable, path=path)
+            verdict, drops, words = apart(form, allowed, least_for, engine, scenes, interpreter=home.executable, path=path)
     except NoAnswer as error:
         return InEngine(engine=engine, verdict="failed", reason=f"build {error}")
-    return InEngine(engine=engine, verdict=verdict, drops=tuple(drops), reason=said)
+    return InEngine(engine=engine, verdict=verdict, drops=tuple(drops), reason=words)

@@ -14,7 +14,7 @@ from plumbline.harness.store import zoo_record
 from plumbline.harness.store.zoo_record import Entry
 from plumbline.harness.study import plugins, sources
 from plumbline.harness.study.zoo.robots import Robot, at_hand
-from plumbline.harness.study.zoo.taking_in import take_in
+from plumbline.harness.study.zoo.taking_in import take_in, unread
 
 
 def taken_in(folder: Path, robots: Sequence[Robot], engines: Sequence[str], workers: int) -> list[Entry]:
@@ -29,7 +29,7 @@ def taken_in(folder: Path, robots: Sequence[Robot], engines: Sequence[str], work
 
     def take(robot: Robot) -> Entry:
         if robot.package in unreached and not at_hand(robot):
-            return replace(_unread(robot, keys[robot.name]), reason=unreached[robot.package])
+            return replace(unread(robot, keys[robot.name]), reason=unreached[robot.package])
         entry = take_in(folder, robot, engines, keys[robot.name])
         if entry.stage == "not here":
             unreached.setdefault(robot.package, entry.reason)
@@ -50,20 +50,8 @@ def taken_in(folder: Path, robots: Sequence[Robot], engines: Sequence[str], work
     return [entries[robot.name] for robot in robots]
 
 
-def _unread(robot: Robot, key: str) -> Entry:
-    return Entry(
-        name=robot.name,
-        title=robot.title,
-        package=robot.package,
-        version=robot.version,
-        licence=robot.licence,
-        file=robot.file,
-        key=key,
-    )
-
-
 def _holds(folder: Path, entry: Entry | None, key: str) -> bool:
-    """Is what is entries of a robot still so? What was not on this machine may be by now."""
+    """Does an entry still hold? What was not on this machine may be by now."""
     if entry is None or entry.key != key or entry.stage == "not here":
         return False
     return not entry.scene or (folder / entry.scene).is_file()

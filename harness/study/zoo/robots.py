@@ -176,6 +176,6 @@ def chosen(all_robots: Sequence[Robot], globs: Sequence[str]) -> list[Robot]:
 
     for glob in globs:
         if not any(fnmatchcase(robot.name, glob) for robot in all_robots):
-            known = f"expected a pattern over names like {all_robots[0].name}"
-            raise PlumblineError(f"--case {quoted(glob)} names no robot of the zoo, {known}")
+            example = f"expected a pattern over names like {all_robots[0].name}"
+            raise PlumblineError(f"--case {quoted(glob)} names no robot of the zoo, {example}")
     return [robot for robot in all_robots if not globs or any(fnmatchcase(robot.name, glob) for glob in globs)]

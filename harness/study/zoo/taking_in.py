@@ -42,7 +42,19 @@ def take_in(folder: Path, robot: Robot, engines: Sequence[str], key: str) -> Ent
 
     Args: engines: names of those that are asked. key: what the answer rests on.
     """
-    about = Entry(
+    about = unread(robot, key)
+    try:
+        stage, fields = apart(tuple[Stage, dict[str, object]], PATIENCE, read_apart, folder, robot, tuple(engines))
+    except NoAnswer as error:
+        return replace(about, stage="not read", reason=str(error))
+    if stage != "in":
+        return replace(about, stage=stage, reason=str(fields["reason"]))
+    return Entry.of({**about.plain(), "stage": "in", **fields})
+
+
+def unread(robot: Robot, key: str) -> Entry:
+    """The entry of a robot of which nothing is known but what its package says."""
+    return Entry(
         name=robot.name,
         title=robot.title,
         package=robot.package,
@@ -51,13 +63,6 @@ def take_in(folder: Path, robot: Robot, engines: Sequence[str], key: str) -> Ent
         file=robot.file,
         key=key,
     )
-    try:
-        stage, fields = apart(tuple[Stage, dict[str, object]], PATIENCE, read_apart, folder, robot, tuple(engines))
-    except NoAnswer as error:
-        return replace(about, stage="not read", reason=str(error))
-    if stage != "in":
-        return replace(about, stage=stage, reason=str(fields["reason"]))
-    return Entry.of({**about.plain(), "stage": "in", **fields})
 
 
 def read_apart(folder: Path, robot: Robot, engines: Sequence[str]) -> tuple[Stage, dict[str, object]]:

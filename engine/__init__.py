@@ -4,7 +4,19 @@ from typing import TYPE_CHECKING, Any
 
 from plumbline.engine.describe.bodies import Body, Surface
 from plumbline.engine.describe.errors import Diverged, ManyImpacts, NotSupported
-from plumbline.engine.describe.joints import WORLD, Ball, Distance, Drive, Fixed, Joint, Limits, Prismatic, Revolute, Spring
+from plumbline.engine.describe.joints import (
+    WORLD,
+    Ball,
+    Coupling,
+    Distance,
+    Drive,
+    Fixed,
+    Joint,
+    Limits,
+    Prismatic,
+    Revolute,
+    Spring,
+)
 from plumbline.engine.describe.optics import Optics, Sun
 from plumbline.engine.describe.shapes import (
     Box,
@@ -28,10 +40,10 @@ if TYPE_CHECKING:
     from plumbline.engine.world import World
 
 __all__ = [
-    "WORLD", "Ball", "Batch", "Body", "Box", "Capsule", "Contacts", "ConvexHull", "Cylinder", "Distance", "Diverged",
-    "Drive", "Ellipsoid", "Eye", "Fixed", "Hits", "Joint", "Lens", "Limits", "ManyImpacts", "NotSupported", "Optics", "Options",
-    "Picture", "Placed", "Plane", "Prismatic", "Revolute", "Shape", "Sphere", "Spring", "Sun", "Surface", "TriangleMesh",
-    "World",
+    "WORLD", "Ball", "Batch", "Body", "Box", "Capsule", "Contacts", "ConvexHull", "Coupling", "Cylinder", "Distance",
+    "Diverged", "Drive", "Ellipsoid", "Eye", "Fixed", "Hits", "Joint", "Lens", "Limits", "ManyImpacts", "NotSupported",
+    "Optics", "Options", "Picture", "Placed", "Plane", "Prismatic", "Revolute", "Shape", "Sphere", "Spring", "Sun", "Surface",
+    "TriangleMesh", "World",
 ]  # fmt: skip
 
 __version__ = "0.1.0"

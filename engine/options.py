@@ -62,13 +62,14 @@ class Options:
         other, not by the solver of spheres. coordinates: of bodies held by joints, 'maximal' six of each body's own, with the
         joints as constraints; 'joint' those that the joints leave, with loops as constraints on top, and contacts under
         the soft solver and semi-implicit Euler alone; 'automatic' these where joints make trees of bodies that are no
-        points and close no loops, unless the other options know no contacts there or most bodies that may touch are loose,
-        else the former (None: 'maximal' under rk4, else 'automatic'). sweeps: of the soft solver, 'gauss_seidel' over contacts
-        in the order in which they are found, each seeing what those before it gave; without joints also 'coloured', that by
-        bands of the world, of which those of one colour move no common body, or 'jacobi', all points from the velocities of
-        before the sweep, on split masses, so that the order of contacts shows in the rounding of sums alone, but contacts are
-        as many times softer as a body has points. Under both, `threads` share the contacts of one island as of many, without
-        changing a bit of the answer. Under 'jacobi' a world of spheres alone is solved by manifolds like any other.
+        points and close no loops, unless the other options know no contacts there or most bodies that may touch are loose, and
+        wherever joints are coupled or bodies without mass, else the former (None: 'maximal' under rk4, else 'automatic').
+        sweeps: of the soft solver, 'gauss_seidel' over contacts in the order in which they are found, each seeing what those
+        before it gave; without joints also 'coloured', that by bands of the world, of which those of one colour move no common
+        body, or 'jacobi', all points from the velocities of before the sweep, on split masses, so that the order of contacts
+        shows in the rounding of sums alone, but contacts are as many times softer as a body has points. Under both, `threads`
+        share the contacts of one island as of many, without changing a bit of the answer. Under 'jacobi' a world of spheres
+        alone is solved by manifolds like any other.
     """
 
     dt: float = 1 / 240

@@ -7,7 +7,8 @@ from functools import cache, partial
 from typing import Any, cast
 
 from plumbline.harness.adapter import Adapter, Diverged, Settings, Simulation
-from plumbline.harness.findings.agreement import Agreement, judged
+from plumbline.harness.findings.agreement.judgement import judged
+from plumbline.harness.findings.agreement.values import Agreement
 from plumbline.harness.scene import (
     Body,
     Box,

@@ -1,5 +1,6 @@
 """Random trees of bodies and joints in random states, as Pinocchio has them and as bodies of ours."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -30,8 +31,17 @@ class Tree:
     joints: list[engine.Joint]
 
 
-def random_tree(seed: int, floating: bool, kinds: tuple[str, ...] = KINDS, backwards: bool = True) -> Tree:
-    """Twelve links on joints of these kinds in turn, some told from the outer body on; each turned, moved and moving."""
+def random_tree(
+    seed: int,
+    floating: bool,
+    kinds: tuple[str, ...] = KINDS,
+    backwards: bool = True,
+    ties: Mapping[int, tuple[int, float]] | None = None,
+) -> Tree:
+    """Twelve links on joints of these kinds in turn, some told from the outer body on; each turned, moved and moving.
+
+    Args: ties: by the number of a joint, that of the joint whose coordinate it follows, told before it, and the ratio.
+    """
     rng = np.random.default_rng(seed)
     model, made = pin.Model(), []
     names: list[tuple[int, Any]] = []
@@ -62,6 +72,9 @@ def random_tree(seed: int, floating: bool, kinds: tuple[str, ...] = KINDS, backw
         made.append((kind, parent, axis, solid, offset * where, above))
     pin.seed(seed)
     q, v = pin.randomConfiguration(model, -np.ones(model.nq), np.ones(model.nq)), rng.normal(0, 2, model.nv)
+    for k, (leader, ratio) in (ties or {}).items():
+        follower, leads = (model.idx_vs[model.getJointId(f"joint{number}")] for number in (k, leader))
+        v[follower] = ratio * v[leads]
     data = model.createData()
     pin.forwardKinematics(model, data, q, v)
     bodies: list[engine.Body] = []
@@ -91,6 +104,9 @@ def random_tree(seed: int, floating: bool, kinds: tuple[str, ...] = KINDS, backw
             "axis_W": tuple(sign * (frame.rotation @ axis)),
             "position": 0.7,
         }
+        if ties and k in ties:
+            leader, ratio = ties[k]
+            line["coupling"] = engine.Coupling(joint=f"joint{leader}", ratio=ratio, offset=0.7 - ratio * 0.7)
         if kind == "revolute":
             joints.append(engine.Revolute(**ends, **line))
         elif kind == "prismatic":

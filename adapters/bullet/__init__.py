@@ -178,8 +178,8 @@ ADAPTER = BulletAdapter(
         Feature.ELLIPSOID
         | Feature.MOVING_MESH
         | Feature.DISTANCE
-        | Feature.ARMATURE
         | Feature.SPEED_LIMIT
+        | Feature.TENDON
         | Feature.PAIR_FRICTION
         | Feature.STATIC_FRICTION
         | Feature.RAY_TRACING
@@ -261,8 +261,11 @@ ADAPTER = BulletAdapter(
         "default/joint_pendulum_period": _DAMPED,
         "default/joint_damping_is_off": _DAMPED,
         "default/spring_frequency": _DAMPED,
+        "default/armature_adds_inertia": _DAMPED,
+        "default/armature_acts_between_bodies": _DAMPED,
         "default/dry_friction_brakes": _DAMPED,
         "default/coupled_coordinates_move_as_one": _DAMPED,
+        "default/several_joints_move_one_body": _DAMPED,
         "default/distance_spring_has_its_frequency": _DAMPED,
         "default/distance_spring_pulls_where_it_is_tied": _DAMPED,
         "default/mass_point_flies_and_hangs": _DAMPED,
@@ -301,6 +304,12 @@ ADAPTER = BulletAdapter(
             feature=Feature.DRIVES,
             how="Bullet's own position motor is a velocity constraint without a stiffness in N m/rad; the adapter works out a "
             "torque for each (sub)step",
+        ),
+        Emulation(
+            feature=Feature.ARMATURE,
+            how="pybullet's multibody has no inertia along a joint coordinate; the adapter works out a torque for each "
+            "(sub)step, with the accelerations by all else of the one before, until a contact or a stop strikes the tree, "
+            "which ends the run",
         ),
         Emulation(
             feature=Feature.DISTANCE_SPRING,

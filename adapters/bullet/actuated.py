@@ -1,4 +1,4 @@
-"""Which springs and drives of a tree act how: at the step's start, at its end, or as Bullet's own motors."""
+"""Which springs, drives and rotors of a tree act how: at the step's start, at its end, or as Bullet's own motors."""
 
 import math
 from collections.abc import Sequence
@@ -12,6 +12,7 @@ from plumbline.adapters.bullet.plan import Plan
 from plumbline.adapters.bullet.trees import Tree, joint_axis
 from plumbline.harness.adapter import Notice, Unsupported
 from plumbline.harness.adapter.rotations import conjugate
+from plumbline.harness.adapter.rotors import WHY
 from plumbline.harness.scene import WORLD, Effect, Joint, Prismatic, Revolute, Scene, rotate
 
 SAME_POSE = 0.05
@@ -23,7 +24,7 @@ MOTORS = (
 
 
 def actuated(plan: Plan, made: Assembly, tree: Tree) -> Actuation | None:
-    """The springs and drives of a tree; None where it has none."""
+    """The springs, drives and rotors of a tree; None where it has none. Raises: Unsupported."""
     acted: list[tuple[Joint, Actuator]] = []
     motors: list[Actuator] = []
     for k, link in enumerate(tree.links):
@@ -40,15 +41,19 @@ def actuated(plan: Plan, made: Assembly, tree: Tree) -> Actuation | None:
                     )
                 motors.append(Actuator(joint.name, k, joint.position, None, drive, target))
                 drive = None
-            if joint.spring is not None or drive is not None:
-                acted.append((joint, Actuator(joint.name, k, joint.position, joint.spring, drive, target)))
+            rotor = joint.armature or 0.0
+            if joint.spring is not None or drive is not None or rotor > 0:
+                acted.append((joint, Actuator(joint.name, k, joint.position, joint.spring, drive, target, rotor)))
+    rotors = any(actuator.armature for _, actuator in acted)
+    if motors and rotors:
+        raise Unsupported(f"joint '{motors[0].joint}': a motor beside joints with rotors", WHY)
     if motors:
         made.notices.append(Notice(MOTORS))
     if not acted and not motors:
         return None
     actuators, skeleton = tuple(actuator for _, actuator in acted), None
     reach = np.full(len(acted), SAME_POSE)
-    if acted and _reversing(acted, plan.scene, plan.h):
+    if rotors or (acted and _reversing(acted, plan.scene, plan.h)):
         skeleton = Skeleton.of(tree, plan.scene, plan.principal, {actuator.link for actuator in actuators})
         for k, (acting, _) in enumerate(acted):
             if isinstance(acting, Prismatic):
@@ -84,6 +89,10 @@ def _reversing(acted: Sequence[tuple[Joint, Actuator]], scene: Scene, h: float) 
     constraints are more mobile than W, which bounds the eigenvalues, in every pose where joints are revolute: their axes lie
     fixed in both bodies.
     """
+    massless = {body.name for body in scene.bodies if body.massless}
+    if any({joint.parent, joint.child} & massless for joint, _ in acted):
+        # Let loose, a body without mass is as mobile as can be.
+        return True
     names = {body.name: place for place, body in enumerate(scene.bodies)}
     pushes = np.zeros((len(acted), len(scene.bodies), 6))
     for push, (joint, actuator) in zip(pushes, acted, strict=True):

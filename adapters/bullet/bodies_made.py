@@ -7,6 +7,7 @@ from plumbline.adapters.bullet.kinematic_bodies import Belt
 from plumbline.adapters.bullet.vendor import Port
 from plumbline.harness.adapter import Notice
 from plumbline.harness.adapter.distance_springs import DistanceSprings
+from plumbline.harness.adapter.rotors import Blows
 from plumbline.harness.trajectory import Floats
 
 
@@ -20,8 +21,8 @@ class Assembly:
         bases: (place, number) of bodies that are bases. linked: number -> places of links. actuators: number -> springs and
         drives. prescribed: the kinematic bodies.
         coordinates: (number, link, position in the initial pose) of joints with a coordinate, by name. hung: (number, link) of
-        those that links of multibodies hang by. springs: those between
-        points of two bodies. address: (number, link) -> place. grounds: numbers of planes, and of
+        those that links of multibodies hang by. springs: those between points of two bodies. blows: what ends a run of joints
+        with rotors; None where none has one. address: (number, link) -> place. grounds: numbers of planes, and of
         boxes in their place, each with whether what has faces meets it, or what has none. waiting: (number, link) of bodies
         whose contacts wait until they touch.
         notices: what the engine computes beside the scene.
@@ -37,6 +38,7 @@ class Assembly:
     coordinates: dict[str, tuple[int, int, float]] = field(default_factory=dict)
     hung: dict[str, tuple[int, int]] = field(default_factory=dict)
     springs: DistanceSprings | None = None
+    blows: Blows | None = None
     address: dict[tuple[int, int], int] = field(default_factory=dict)
     grounds: list[tuple[int, bool]] = field(default_factory=list)
     waiting: set[tuple[int, int]] = field(default_factory=set)

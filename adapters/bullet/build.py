@@ -19,8 +19,10 @@ from plumbline.adapters.bullet.simulation import BulletSimulation
 from plumbline.adapters.bullet.trees import constrained_joints, spanning_trees
 from plumbline.adapters.bullet.vendor import Port
 from plumbline.harness.adapter import Notice, Settings, Unsupported
+from plumbline.harness.adapter.carried_laws import carried, refuse_tendons
 from plumbline.harness.adapter.fast_rotors import rotor_notices
 from plumbline.harness.adapter.rotations import conjugate
+from plumbline.harness.adapter.rotors import Blows
 from plumbline.harness.scene import WORLD, Body, Distance, Effect, Prismatic, Revolute, Scene
 from plumbline.harness.trajectory import State
 
@@ -28,6 +30,8 @@ from plumbline.harness.trajectory import State
 def build_world(port: Port, scene: Scene, settings: Settings, options: Mapping[str, Any]) -> BulletSimulation:
     """Exactly this scene in an empty world; the initial state is read back at the end. Raises: Unsupported, SettingsError."""
     plan = Plan.of(scene, settings, options)
+    if Effect.JOINTS in scene.effects:
+        refuse_tendons(scene)
     made = Assembly(port, unseen_shape(port), np.array([conjugate(q) for _, q in plan.principal]))
     _check(plan)
     set_parameters(port, settings, plan.options, plan.touching)
@@ -38,6 +42,8 @@ def build_world(port: Port, scene: Scene, settings: Settings, options: Mapping[s
     _filter(plan, made)
     _surplus(plan, made)
     made.springs = plan.springs
+    if any("armature" in carried(joint) for joint in plan.joints):
+        made.blows = Blows(scene)
     simulation = BulletSimulation(scene, resolved_settings(port, settings, {**plan.options, **acting}), made)
     _verify(plan, made, simulation)
     return simulation

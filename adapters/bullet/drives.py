@@ -13,7 +13,7 @@ from plumbline.harness.trajectory import Floats
 
 @dataclass(slots=True)
 class Actuator:
-    """A spring and a drive on one joint of one multibody."""
+    """A spring, a drive and a rotor on one joint of one multibody."""
 
     joint: str
     link: int
@@ -21,6 +21,7 @@ class Actuator:
     spring: Spring | None
     drive: Drive | None
     target: float
+    armature: float = 0.0
 
     def effort(self, q: float, rate: float) -> float:
         """The torque or force [N m or N] at joint coordinate q (from the initial pose) and its rate."""
@@ -37,13 +38,16 @@ class Actuator:
 
 @dataclass(slots=True)
 class Actuation:
-    """The springs and drives of one multibody, as efforts that are held over a step of h.
+    """The springs, drives and rotors of one multibody, as efforts that are held over a step of h.
 
     Where some pose may let the efforts of the step's start reverse a velocity within the step, they are those of its end:
     tau = tau(q + h v', v') with v' = v + h (a + W tau). W is the mobility of the joints, with the points held that stand on
     something; a, the accelerations by all else (gravity, limits, inertial forces, contacts that come and go), is what it was in
     the step before. At the start, and when other points are held than before, it is gravity's. What holds may give way within
     the step, if a wheel slips or a foot lifts off: the efforts are bounded for that (`_bounded`).
+
+    A rotor resists by -armature (v' - v)/h: a damper of armature/h at the step's end, and what it brakes at its start handed
+    back.
 
     Source: Tan, Liu, Turk, Stable Proportional-Derivative Controllers, IEEE CG&A 31 (2011) 34; there a comes from the equations
     of motion, which know nothing of contacts.
@@ -80,6 +84,8 @@ class Actuation:
     """The rates that those efforts would have led to if nothing had been held."""
     springs: Floats = field(init=False)
     """Stiffness, damping and rest, (3, a)."""
+    rotors: Floats = field(init=False)
+    """Armatures, (a,)."""
     drives: Floats = field(init=False)
     """Stiffness, damping, target velocity, limit and feedforward, (5, a)."""
 
@@ -89,6 +95,7 @@ class Actuation:
         springs = [a.spring or Spring() for a in self.actuators]
         drives = [a.drive or Drive() for a in self.actuators]
         self.springs = np.array([(s.stiffness, s.damping, s.rest) for s in springs]).T
+        self.rotors = np.array([a.armature for a in self.actuators])
         limits = [math.inf if d.limit is None else d.limit for d in drives]
         self.drives = np.array(
             [
@@ -107,11 +114,12 @@ class Actuation:
         x = np.array([a.position + state[0] for a, state in zip(self.actuators, states, strict=True)])
         v = np.array([state[1] for state in states])
         (k, c, free), (stiff, damped, target_velocity, limit, constant), h = self.springs, self.drives, self.h
-        passive, active = c + h * k, damped + h * stiff
+        rotors = self.rotors / h
+        passive, active = c + h * k + rotors, damped + h * stiff
         start = self.pose is None
         held = self.footing.held(port, number, start)
         stance = tuple(sorted((hold.link, len(hold.rows)) for hold in held))
-        rest = k * (x - free)
+        rest = k * (x - free) - rotors * v
         pull = stiff * ([a.target for a in self.actuators] - x) + damped * target_velocity + constant
         if self.pose is None or stance != self.stance or (np.abs(x - self.pose) > self.reach).any():
             mobility, self.fall, loose = self.skeleton.response(port, number, self.gravity, held, 0.0 if start else h)

@@ -13,7 +13,7 @@ from plumbline.adapters.bullet.shapes import collision_shape
 from plumbline.adapters.bullet.trees import Link, Tree, joint_axis
 from plumbline.adapters.bullet.vendor import LIFTED
 from plumbline.harness.adapter import Unsupported
-from plumbline.harness.adapter.carried_laws import refuse_armature, refuse_speed_limit
+from plumbline.harness.adapter.carried_laws import refuse_speed_limit
 from plumbline.harness.adapter.rotations import IDENTITY, conjugate
 from plumbline.harness.scene import Ball, Distance, Fixed, Prismatic, Quaternion, Revolute, Vector3, multiply, rotate
 
@@ -106,7 +106,6 @@ def _tell_joint(plan: Plan, made: Assembly, number: int, k: int, link: Link, tre
             if isinstance(joint, Prismatic):
                 carried = np.asarray(v_P) + np.cross(w_P, np.subtract(child.p_WB, p_P))
                 rate = float(axis @ (np.asarray(child.v_WB) - carried))
-            refuse_armature(joint, "pybullet's multibody has no inertia along a joint coordinate: changeDynamics offers none")
             refuse_speed_limit(
                 joint, "pybullet's maxJointVelocity cuts every coordinate of a multibody after the step, without a reaction"
             )

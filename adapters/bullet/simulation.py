@@ -13,6 +13,7 @@ from plumbline.adapters.bullet.sensing import Twin
 from plumbline.adapters.bullet.vendor import CONTACT_BREAKING, LIFTED, break_contacts_at, breaks
 from plumbline.harness.adapter import Diverged, Notice, Settings, Unsupported
 from plumbline.harness.adapter.rotations import IDENTITY, products
+from plumbline.harness.adapter.rotors import Blows
 from plumbline.harness.adapter.what_goes_in import check_rays, check_state, check_targets, check_velocities, check_wrench
 from plumbline.harness.scene import Camera, Scene, Vector3
 from plumbline.harness.trajectory import Contacts, Floats, Hits, Image, State
@@ -71,9 +72,22 @@ class BulletSimulation:
             if acts:
                 self._act()
             advance(physicsClientId=client)
+            if made.blows is not None:
+                self._look_for_blows(made.blows)
             if self._watched and 1 < left <= self._substeps:
                 self._touched.append(self._points())
         self._check()
+
+    def _look_for_blows(self, blows: Blows) -> None:
+        """Has nothing struck a tree with rotors in the last sub-step? Raises: Unsupported."""
+        coordinates, address = self._made.coordinates, self._made.address
+
+        def coordinate(name: str) -> float:
+            number, link, position = coordinates[name]
+            return position + float(self._port.call("getJointState", number, link)[0])
+
+        points = [c for c in self._points() if c[8] <= 0 or c[9] > 0]
+        blows.check(coordinate, {address[end] for c in points for end in ((c[1], c[3]), (c[2], c[4]))})
 
     def retime(self, dt: float) -> None:
         """The length [s] of each step from the next one on. Raises: Unsupported."""

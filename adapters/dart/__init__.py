@@ -152,6 +152,7 @@ ADAPTER = DartAdapter(
         | Feature.KINEMATIC
         | Feature.PRESCRIBED_MOTION
         | Feature.MASS_POINT
+        | Feature.MASSLESS
         | Feature.FIXED
         | Feature.BALL
         | Feature.REVOLUTE
@@ -161,6 +162,7 @@ ADAPTER = DartAdapter(
         | Feature.LIMITS
         | Feature.SPRINGS
         | Feature.DRIVES
+        | Feature.ARMATURE
         | Feature.FRICTION_LOSS
         | Feature.SPEED_LIMIT
         | Feature.FEEDFORWARD
@@ -249,6 +251,12 @@ ADAPTER = DartAdapter(
             tracks=("tuned",),
         ),
         Emulation(
+            feature=Feature.ARMATURE,
+            how="DART's joints have no inertia of their own; the rotor is one of its implicit dampers, armature over the step, "
+            "and a force of the adapter takes back what it brakes, until a contact or a stop strikes the tree: there the run "
+            "ends",
+        ),
+        Emulation(
             feature=Feature.DISTANCE_SPRING,
             how="dartpy has no spring between points of two bodies; the adapter works out a pair of forces for each sub-step",
         ),
@@ -271,6 +279,7 @@ ADAPTER = DartAdapter(
     laws=(
         "plumbline.adapters.dart.stable_pd:Foresight.foresee",
         "plumbline.adapters.dart.drives:Pushes.set",
+        "plumbline.adapters.dart.rotors:Rotors.lead",
         "plumbline.adapters.dart.forces:damp",
         "plumbline.adapters.dart.simulation:DartSimulation._sprung",
     ),

@@ -13,6 +13,10 @@ from plumbline.adapters.dart.vendor import pose
 from plumbline.harness.adapter.touching_kinds import Kind
 from plumbline.harness.scene import Effect
 
+FAINT = 1e-12
+"""Of mass and inertia, what bodies without mass get: DART takes none too, at the price of a warning for each; what this adds to
+any inertia is its rounding."""
+
 
 def add_bodies(built: Built, edges: list[Edge], coefficients: Mapping[Kind, tuple[float, float]]) -> None:
     """Skeletons, nodes, joints, masses and shapes; joint-free bodies first, in the order that `state` reads them.
@@ -41,7 +45,7 @@ def add_bodies(built: Built, edges: list[Edge], coefficients: Mapping[Kind, tupl
             node.getSkeleton().enableAdjacentBodyCheck()
         joint.setName(f"joint {edge.body}")
         node.setName(f"body {edge.body}")
-        node.setInertia(dynamics.Inertia(body.mass, np.zeros(3), np.asarray(body.inertia)))
+        node.setInertia(_inertia(built, edge.body))
         built.nodes[edge.body] = node
         if edge.joint is not None:
             built.hung[edge.joint.name] = edge.body
@@ -59,6 +63,16 @@ def add_bodies(built: Built, edges: list[Edge], coefficients: Mapping[Kind, tupl
             add_shapes(built, i, coefficients)
     for skeleton in skeletons:
         built.world.addSkeleton(skeleton)
+
+
+def _inertia(built: Built, place: int) -> Any:
+    """Mass and inertia of a body; of one without mass `FAINT` of those of the lightest body of the scene that has some."""
+    body, Inertia = built.scene.bodies[place], built.dart.dynamics.Inertia
+    if not body.massless:
+        return Inertia(body.mass, np.zeros(3), np.asarray(body.inertia))
+    solid = [other for other in built.scene.bodies if other.movable and not other.massless]
+    least = min(float(np.linalg.eigvalsh(np.asarray(other.inertia))[0]) for other in solid)
+    return Inertia(FAINT * min(other.mass for other in solid), np.zeros(3), FAINT * least * np.eye(3))
 
 
 def _damp(built: Built, edge: Edge, joint: Any, alone: bool) -> None:

@@ -17,6 +17,7 @@ from plumbline.adapters.dart.surfaces import coefficients
 from plumbline.adapters.dart.trees import check_velocities, constrained_joints, cuttable, forest
 from plumbline.adapters.dart.vendor import overheard
 from plumbline.harness.adapter import Notice, Settings, SettingsError, Unsupported
+from plumbline.harness.adapter.carried_laws import refuse_tendons
 from plumbline.harness.adapter.distance_springs import DistanceSprings, is_distance_spring
 from plumbline.harness.adapter.fast_rotors import rotor_notices
 from plumbline.harness.scene import Effect, Scene
@@ -28,6 +29,8 @@ def build(dart: Any, scene: Scene, settings: Settings) -> DartSimulation:
     touching = Effect.CONTACT in effects
     every_joint = scene.joints if Effect.JOINTS in effects else ()
     joints = tuple(joint for joint in every_joint if not is_distance_spring(joint))
+    if Effect.JOINTS in effects:
+        refuse_tendons(scene)
     by_kind = coefficients(scene) if touching else {}
     for effect, why in (
         (Effect.ROLLING_FRICTION, "DART has no rolling friction"),

@@ -21,9 +21,9 @@ class Built:
         nodes: one BodyNode for each body. free: bodies alone under a FreeJoint; linked: all other moving ones. belts: joints of
         kinematic bodies with (w_WB, v_WB), by body. coordinates: DART's joints that have one, by name. hung: the place of the
         body that hangs on each joint of a skeleton, by name. damped: (body, linear, angular damping [1/s]) that act as forces.
-        shapes: for rays. springs: those between points of two bodies. loops: what constraints
-        hold together. cone: the solver of the exact friction cone. effects: what the scene calls
-        for.
+        rotors: by joint, its armature over a step [N m s/rad or N s/m]. shapes: for rays. springs: those between points of two
+        bodies. loops: what constraints hold together. cone: the solver of the exact friction cone. effects: what the scene
+        calls for.
     """
 
     scene: Scene
@@ -40,6 +40,7 @@ class Built:
     hung: dict[str, int] = field(default_factory=dict)
     damped: list[tuple[int, float, float]] = field(default_factory=list)
     motors: dict[str, Motor] = field(default_factory=dict)
+    rotors: dict[str, float] = field(default_factory=dict)
     shapes: list[Any] = field(default_factory=list)
     springs: DistanceSprings | None = None
     loops: list[Loop] = field(default_factory=list)

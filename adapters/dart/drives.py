@@ -33,6 +33,8 @@ class Motor:
     stable: bool = False
     servo: bool = False
     push: float = 0.0
+    rotor: float = 0.0
+    """Armature over a step [N m s/rad or N s/m], which is a damper of DART (`rotors`)."""
 
     @property
     def limited(self) -> bool:
@@ -61,7 +63,7 @@ class Motor:
             self.joint.setSpringStiffness(0, k)
             self.joint.setRestPosition(0, rest)
             rest = float(self.joint.getRestPosition(0))
-        self.joint.setDampingCoefficient(0, spring.damping + (drive.damping if shared else 0.0))
+        self.joint.setDampingCoefficient(0, spring.damping + (drive.damping if shared else 0.0) + self.rotor)
         self.push = force - k * rest
 
 
@@ -81,6 +83,7 @@ class Laws:
         # Of springs and drives the stiffness, damping, place of rest and push besides; what dry friction takes is apart.
         self._k, self._c, self._rest, self._push = np.zeros((4, 2, skeleton.getNumDofs()))
         self.limit, self.loss = np.full_like(self._k, np.inf), np.zeros(self._k.shape[1])
+        self._rotors = np.array([m.rotor for m in motors])
         for i, motor in zip(self._indices, motors, strict=True):
             spring, drive = motor.spring, motor.drive
             self._k[:, i], self._c[:, i] = (spring.stiffness, drive.stiffness), (spring.damping, drive.damping)
@@ -99,7 +102,9 @@ class Laws:
         return np.array([m.push for m in self._motors])
 
     def set(self, commands: Floats) -> None:
-        """The commands (m,) of the motors for the coming step."""
+        """The commands (m,) of the motors for the coming step, beside what their rotors' dampers would brake."""
+        if self._rotors.any():
+            commands = commands + self._rotors * self.skeleton.getVelocities()[self.places]
         if self._indices:
             self.skeleton.setCommands(self._indices, commands)
 
@@ -125,7 +130,7 @@ class Pushes:
         """Set the motors' commands for the coming step of dt [s]."""
         for motor in self._others:
             if motor.push != 0.0:
-                motor.joint.setCommand(0, motor.push)
+                motor.joint.setCommand(0, motor.push + motor.rotor * motor.joint.getVelocity(0))
         for laws in self._servos:
             # The velocities at the end of the step under which the drives push no more.
             force, slope = laws.forces(dt)

@@ -9,7 +9,6 @@ from plumbline.adapters.dart.drives import SERVO_NOTICE, Motor
 from plumbline.adapters.dart.trees import WORLD_FRAME, Edge, ends
 from plumbline.adapters.dart.vendor import pose
 from plumbline.harness.adapter import Unsupported
-from plumbline.harness.adapter.carried_laws import refuse_armature
 from plumbline.harness.scene import Ball, Distance, Drive, Effect, Fixed, Joint, Prismatic, Revolute, Spring
 
 
@@ -61,7 +60,6 @@ def add_joint(built: Built, owner: Any, edge: Edge) -> tuple[Any, Any]:
 
 def _set_coordinate(built: Built, made: Any, node: Any, joint: Revolute | Prismatic) -> None:
     """Position, limits, spring and drive of a joint of one coordinate."""
-    refuse_armature(joint, "DART's joints have no inertia of their own")
     if joint.coupling is not None:
         raise Unsupported(
             f"joint '{joint.name}': coupling to '{joint.coupling.joint}'",
@@ -69,6 +67,9 @@ def _set_coordinate(built: Built, made: Any, node: Any, joint: Revolute | Prisma
         )
     built.coordinates[joint.name] = made
     made.setPosition(0, joint.position)
+    if joint.armature:
+        built.rotors[joint.name] = joint.armature / built.world.getTimeStep()
+        made.setDampingCoefficient(0, built.rotors[joint.name])
     if joint.friction_loss:
         made.setCoulombFriction(0, joint.friction_loss)
     if joint.speed_limit is not None:
@@ -92,6 +93,7 @@ def _set_coordinate(built: Built, made: Any, node: Any, joint: Revolute | Prisma
             (drive or Drive()).target,
             stable=drives == "stable",
             servo=drives == "servo" and drive is not None and drive.stiffness + drive.damping > 0,
+            rotor=built.rotors.get(joint.name, 0.0),
         )
         motor.rest()
         if motor.servo:

@@ -11,6 +11,7 @@ from plumbline.adapters.dart.contacts import FIRST_STEPS, MOST_CONTACTS, SLOW, L
 from plumbline.adapters.dart.drives import Pushes
 from plumbline.adapters.dart.forces import Wrenches, push
 from plumbline.adapters.dart.reactions import reactions
+from plumbline.adapters.dart.rotors import Rotors
 from plumbline.adapters.dart.sensing import Caster
 from plumbline.adapters.dart.stable_pd import Foresight
 from plumbline.adapters.dart.vectors import quaternions
@@ -38,7 +39,8 @@ class DartSimulation(Simulation):
         self._wrench: Wrenches | None = None
         self._last = State.initial(built.scene)
         self._movable = [i for i, body in enumerate(built.scene.bodies) if body.movable]
-        self._forced = bool(built.belts or built.damped or any(m.works for m in built.motors.values()))
+        self._rotors = Rotors(built) if built.rotors else None
+        self._forced = bool(built.belts or built.damped or built.rotors or any(m.works for m in built.motors.values()))
         self._pushes = Pushes(built.motors.values())
         stable = built.motors and built.resolved.options["drives"] == "stable"
         self._foresight = Foresight(built) if stable else None
@@ -72,6 +74,8 @@ class DartSimulation(Simulation):
                 "steps of uneven lengths beside a spring between two points that is taken implicitly",
                 "the rate that it leads to is foreseen from the step before, which has to be as long",
             )
+        if self._rotors is not None:
+            raise Unsupported("steps of uneven lengths beside rotors", "each is a damper of DART, made for one length")
         built.world.setTimeStep(dt / built.substeps)
 
     def _advance(self, built: Built, count: int) -> None:
@@ -83,10 +87,14 @@ class DartSimulation(Simulation):
             few = min(count, 1 if self._last_seen and self._steps < FIRST_STEPS else STEPS_UNCHECKED)
             for _ in range(few):
                 if pushed:
+                    if self._rotors is not None:
+                        self._rotors.lead()
                     push(built, self._loads(built), self._movable, self._pushes)
                     if self._foresight:
                         self._foresight.foresee(self._steps > 0)
                 advance()
+                if self._rotors is not None:
+                    self._rotors.check()
             count -= few
             self._steps += few
             self._check(built)

@@ -84,7 +84,8 @@ class Foresight:
         system[n:, :n], system[:n, n:] = rows, -rows.T
         known = np.concatenate((bearing.pull, -rows @ u))
         for some, span in zip(laws, island.spans.values(), strict=True):
-            system[span, span] = some.skeleton.getMassMatrix()
+            # With rotors: these are the only dampers of DART where all others are foreseen.
+            system[span, span] = some.skeleton.getAugMassMatrix() if self._built.rotors else some.skeleton.getMassMatrix()
         if len(island.led):
             system[island.led], system[:n, island.led], known[island.led] = 0.0, 0.0, 0.0
             system[island.led, island.led] = 1.0

@@ -19,14 +19,17 @@ KINEMATIC_ARMATURE = 1e12
 
 
 def add_body(plan: Plan, draft: Draft, link: Link) -> None:
-    """One body with its native joint, its frame M against that of the body above."""
+    """One body with its native joints, its frame M against that of the body above; one without mass is its joint alone, in
+    the body behind it."""
     body, k = plan.scene.bodies[link.body], link.body
+    if body.massless:
+        return
     p_PM, q_PM = plan.p[k], plan.q_WM[k]
-    above = draft.spec.worldbody
-    if link.above >= 0:
-        R_WP, q_WP = plan.R_WM[link.above], plan.q_WM[link.above]
-        above = draft.bodies[link.above]
-        p_PM = R_WP.T @ (p_PM - plan.p[link.above])
+    above, upper = draft.spec.worldbody, plan.chains[k][0].above
+    if upper >= 0:
+        R_WP, q_WP = plan.R_WM[upper], plan.q_WM[upper]
+        above = draft.bodies[upper]
+        p_PM = R_WP.T @ (p_PM - plan.p[upper])
         q_PM = np.array(multiply(conjugate(tuple(q_WP)), tuple(q_PM)))
     node = above.add_body(name=f"b{k}", pos=p_PM, quat=q_PM)
     node.explicitinertial, node.mass, node.inertia = True, body.mass, plan.moments[k]
@@ -42,24 +45,26 @@ def add_body(plan: Plan, draft: Draft, link: Link) -> None:
         )
     elif body.movable and link.joint is None:
         node.add_freejoint(name=f"f{k}")
-    elif link.joint is not None:
-        _add_joint(plan, draft, node, link, link.joint)
+    else:
+        for each in plan.chains[k]:
+            if each.joint is not None:
+                _add_joint(plan, draft, node, k, each, each.joint)
 
 
-def _add_joint(plan: Plan, draft: Draft, node: Any, link: Link, joint: Joint) -> None:
-    """The native joint by which a body hangs below another, with its limits and its spring; a fixed one is none."""
-    kinds, k = draft.mj.mjtJoint, link.body
+def _add_joint(plan: Plan, draft: Draft, node: Any, k: int, link: Link, joint: Joint) -> None:
+    """A native joint by which body k hangs below another, with its limits and its spring; a fixed one is none."""
+    kinds = draft.mj.mjtJoint
     if isinstance(joint, Fixed):
         return
     assert not isinstance(joint, Distance)
     anchor = plan.R_WM[k].T @ (np.array(joint.anchor_W) - plan.p[k])
     if isinstance(joint, Ball):
-        node.add_joint(name=f"f{k}", type=kinds.mjJNT_BALL, pos=anchor)
+        node.add_joint(name=f"f{link.body}", type=kinds.mjJNT_BALL, pos=anchor)
         return
     refuse_speed_limit(joint, "MuJoCo bounds positions and forces of joints, not their rates")
     kind = kinds.mjJNT_HINGE if isinstance(joint, Revolute) else kinds.mjJNT_SLIDE
     axis = plan.R_WM[k].T @ np.array(joint.axis_W) * (-1.0 if link.turned else 1.0)
-    made = node.add_joint(name=f"f{k}", type=kind, pos=anchor, axis=axis, ref=joint.position)
+    made = node.add_joint(name=f"f{link.body}", type=kind, pos=anchor, axis=axis, ref=joint.position)
     bounds = bounds_of(joint)
     if bounds is not None:
         made.limited, made.range = draft.mj.mjtLimited.mjLIMITED_TRUE, bounds

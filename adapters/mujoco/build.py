@@ -19,11 +19,13 @@ from plumbline.adapters.mujoco.simulation import MujocoSimulation
 from plumbline.adapters.mujoco.sparse_factor import may_err, sparse
 from plumbline.adapters.mujoco.start import check_start, start
 from plumbline.adapters.mujoco.surfaces import Law, contact_laws
+from plumbline.adapters.mujoco.tendons import add_tendon
 from plumbline.adapters.mujoco.trees import Link
 from plumbline.adapters.mujoco.uncompiled_model import Draft
 from plumbline.adapters.mujoco.vendor import flag
 from plumbline.adapters.mujoco.world import Hung, Indices, World
 from plumbline.harness.adapter import Notice, Settings, Unsupported
+from plumbline.harness.adapter.between import chains
 from plumbline.harness.scene import Distance, Effect, Fixed, Joint, Prismatic, Revolute, Scene
 
 
@@ -45,6 +47,8 @@ def build(mj: Any, scene: Scene, settings: Settings) -> MujocoSimulation:
             couple(plan, draft, joint.name, joint.coupling)
     if Effect.DRIVES in plan.effects:
         add_drives(plan, draft)
+    for tendon in (plan.scene.tendons or ()) if Effect.JOINTS in plan.effects else ():
+        add_tendon(plan, draft, tendon)
     if Effect.SENSING in plan.effects:
         add_inertial(plan, draft)
     try:
@@ -76,9 +80,10 @@ def _laws(plan: Plan, draft: Draft) -> dict[frozenset[str], Law]:
 
 def _indices(plan: Plan, draft: Draft, model: Any) -> Indices:
     """Where the scene's bodies, drives and sensors stand in a compiled model."""
-    body = np.array([model.body(f"b{k}").id for k in range(len(plan.scene.bodies))], dtype=np.int64)
+    carriers = [plan.carrier[k] for k in range(len(plan.scene.bodies))]
+    body = np.array([model.body(f"b{k}").id for k in carriers], dtype=np.int64)
     scene_body = np.full(model.nbody, -1, dtype=np.int64)
-    scene_body[body] = np.arange(len(body))
+    scene_body[body] = carriers
     owner = scene_body[model.geom_bodyid]
     for name, k in draft.planted.items():
         owner[model.geom(name).id] = k
@@ -90,19 +95,22 @@ def _indices(plan: Plan, draft: Draft, model: Any) -> Indices:
         q_MB=q_BM * (1.0, -1.0, -1.0, -1.0) if turned else None,
         single=all(link.above < 0 and (link.joint is None or isinstance(link.joint, Fixed)) for link in plan.links),
         drives=dict(draft.drives),
-        hung={link.joint.name: _hung(plan, link, link.joint) for link in plan.links if link.joint is not None},
+        hung={link.joint.name: _hung(plan, model, link, link.joint) for link in plan.links if link.joint is not None},
         inertial={
             name: (int(model.sensor(f"force:{name}").adr[0]), int(model.sensor(f"rate:{name}").adr[0]))
             for name in draft.inertial
         },
+        chains=chains(plan.scene),
     )
 
 
-def _hung(plan: Plan, link: Link, joint: Joint) -> Hung:
+def _hung(plan: Plan, model: Any, link: Link, joint: Joint) -> Hung:
     """Where a native joint or a weld stands."""
     child = plan.index[joint.child]
     anchor = getattr(joint, "anchor_W", plan.p[child])
-    return Hung(link.body, link.turned, plan.R_WM[child].T @ (np.array(anchor) - plan.p[child]))
+    anchor_M = None if plan.scene.bodies[child].massless else plan.R_WM[child].T @ (np.array(anchor) - plan.p[child])
+    native = -1 if isinstance(joint, Fixed) else int(model.joint(f"f{link.body}").id)
+    return Hung(plan.carrier[link.body], native, link.turned, anchor_M)
 
 
 def _notices(plan: Plan, mj: Any, model: Any) -> tuple[Notice, ...]:

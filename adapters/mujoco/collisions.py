@@ -7,7 +7,7 @@ from plumbline.adapters.mujoco.shapes import BOTH_GROUP, COLLISION_GROUP, VISUAL
 from plumbline.adapters.mujoco.surfaces import Law, ranked, tell_surface
 from plumbline.adapters.mujoco.uncompiled_model import Draft
 from plumbline.harness.adapter import Unsupported
-from plumbline.harness.scene import WORLD, Effect, Scene
+from plumbline.harness.scene import Effect, Scene
 
 
 def add_shapes(plan: Plan, draft: Draft, laws: Mapping[frozenset[str], Law]) -> None:
@@ -48,11 +48,11 @@ def _masks(scene: Scene, materials: Sequence[str]) -> dict[str, tuple[int, int]]
 def _exclude(plan: Plan, draft: Draft) -> None:
     """Keep bodies apart that joints hold, and those that move as they are told from those that stand still."""
     bodies = plan.scene.bodies
-    node = {b.name: "world" if plan.planted(b) else f"b{k}" for k, b in enumerate(bodies)}
+    node = {b.name: "world" if plan.planted(b) else f"b{k}" for k, b in enumerate(bodies) if not b.massless}
     still = [b.name for b in bodies if not b.movable and b.collision]
     moving = [b.name for b in bodies if plan.prescribed(b) and b.collision]
     pairs = {frozenset((node[a], node[b])) for a in still for b in moving if a != b}
-    pairs |= {frozenset(node[name] for name in pair) for pair in plan.scene.joined() if WORLD not in pair}
+    pairs |= {frozenset(node[name] for name in pair) for pair in plan.scene.joined() if pair <= node.keys()}
     for a, b in sorted(tuple(sorted(pair)) for pair in pairs):
         draft.spec.add_exclude(bodyname1=a, bodyname2=b)
 

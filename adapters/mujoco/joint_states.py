@@ -27,14 +27,19 @@ class JointReader:
                 continue
             hung = world.indices.hung[joint.name]
             body = world.indices.body[hung.body]
-            native = int(m.body_jntadr[body])
+            native = hung.native
             if isinstance(joint, Revolute | Prismatic):
                 states.coordinate[k] = d.qpos[m.jnt_qposadr[native]]
                 states.rate[k] = d.qvel[m.jnt_dofadr[native]]
             # cfrc_int: torque and force by the body above, about the centre of mass of the whole tree.
             torque, force = d.cfrc_int[body, :3], d.cfrc_int[body, 3:]
             child = world.indices.body[world.scene.index(joint.child)]
-            anchor = d.xpos[child] + d.xmat[child].reshape(3, 3) @ hung.anchor_M
+            if hung.anchor_M is not None:
+                anchor = d.xpos[child] + d.xmat[child].reshape(3, 3) @ hung.anchor_M
+            else:
+                # Where a joint stands MuJoCo tells before it moves: what slides takes the child's anchor along.
+                slid = states.coordinate[k] - m.qpos0[m.jnt_qposadr[native]] if isinstance(joint, Prismatic) else 0.0
+                anchor = d.xanchor[native] + (0.0 if hung.turned else slid) * d.xaxis[native]
             torque = torque + np.cross(d.subtree_com[m.body_rootid[body]] - anchor, force)
             states.reaction[k] = np.concatenate((force, torque)) * (-1.0 if hung.turned else 1.0)
         return states

@@ -8,7 +8,7 @@ import numpy as np
 from plumbline.adapters.mujoco.frames import principal
 from plumbline.adapters.mujoco.heavy_loads import impedance_for
 from plumbline.adapters.mujoco.options import Options, checked
-from plumbline.adapters.mujoco.trees import Link, forest
+from plumbline.adapters.mujoco.trees import Link, forest, in_one_body
 from plumbline.harness.adapter import Settings
 from plumbline.harness.adapter.rotations import matrix
 from plumbline.harness.scene import Body, Effect, Joint, Quaternion, Scene, Vector3, multiply
@@ -21,9 +21,10 @@ class Plan:
 
     Terms:
         effects: the scene's, worked out once. h [s]: the sub-step that is taken. joints: none where the scene does not call for
-        them. links: the bodies in their trees, from the roots down; loops: the joints that close loops. index: of each body its
-        place in the scene. held: the bodies that joints hold. Of each body, in the order of the scene: moments [kg m2] about
-        its principal axes, q_BM, q_WM and R_WM of its principal frame M, p [m], its centre of mass in W.
+        them. links: the bodies in their trees, from the roots down; loops: the joints that close loops. chains: as
+        `in_one_body`; carrier: of each body the one whose native joints end at it, itself but of one without mass. index: of
+        each body its place in the scene. held: the bodies that joints hold. Of each body, in the order of the scene: moments
+        [kg m2] about its principal axes, q_BM, q_WM and R_WM of its principal frame M, p [m], its centre of mass in W.
     """
 
     scene: Scene
@@ -34,6 +35,8 @@ class Plan:
     joints: Sequence[Joint]
     links: Sequence[Link]
     loops: Sequence[Joint]
+    chains: Mapping[int, Sequence[Link]]
+    carrier: Mapping[int, int]
     index: Mapping[str, int]
     held: frozenset[str]
     moments: Sequence[Vector3]
@@ -50,6 +53,7 @@ class Plan:
             options = replace(options, contact_impedance=impedance_for(scene, options, h))
         joints = scene.joints if Effect.JOINTS in effects else ()
         links, loops = forest(scene, joints)
+        chains = in_one_body(scene, links)
         moments, q_BM = zip(*(principal(body) for body in scene.bodies), strict=True)
         q_WM = [np.array(multiply(body.q_WB, q)) for body, q in zip(scene.bodies, q_BM, strict=True)]
         return cls(
@@ -61,6 +65,8 @@ class Plan:
             joints=joints,
             links=links,
             loops=loops,
+            chains=chains,
+            carrier={link.body: body for body, chain in chains.items() for link in chain},
             index={body.name: k for k, body in enumerate(scene.bodies)},
             held=frozenset(name for joint in scene.joints for name in (joint.parent, joint.child)),
             moments=moments,

@@ -24,7 +24,7 @@ def fastest(model: Any, drives: Iterable[int], h: float) -> float:
     stiffness, damping, dof = resisted(model, drives)
     groups = (
         (stiffness[dof], damping[dof], model.dof_invweight0[dof]),
-        (model.tendon_stiffness, model.tendon_damping, model.tendon_invweight0),
+        (*_along_tendons(model, drives), model.tendon_invweight0),
     )
     for k, c, w in groups:
         if len(w):
@@ -40,7 +40,8 @@ def stiffest(mj: Any, model: Any, drives: Iterable[int], h: float) -> tuple[floa
     eigenvalues of M^-1 C and M^-1 K, |lambda|^2 <= c |lambda| + k. Source: Tisseur, Meerbergen, SIAM Review 43 (2001).
     """
     stiffness, damping, _ = resisted(model, drives)
-    if not (stiffness.any() or damping.any() or model.tendon_stiffness.any() or model.tendon_damping.any()):
+    stretched, slowed = _along_tendons(model, drives)
+    if not (stiffness.any() or damping.any() or stretched.any() or slowed.any()):
         return 0.0, 0.0
     d, random = mj.MjData(model), np.random.default_rng(0)
     rigid = bool((model.jnt_type == flag(mj, "mjtJoint", "mjJNT_FREE")).all())
@@ -54,8 +55,8 @@ def stiffest(mj: Any, model: Any, drives: Iterable[int], h: float) -> tuple[floa
             if not hasattr(model, "ten_J_rownnz"):
                 refuse(mj, "the Jacobian of tendons")
             mj.mju_sparse2dense(lines, d.ten_J, model.ten_J_rownnz, model.ten_J_rowadr, model.ten_J_colind)
-        c = _largest(mj, model, d, damping, model.tendon_damping, lines)
-        k = _largest(mj, model, d, stiffness, model.tendon_stiffness, lines)
+        c = _largest(mj, model, d, damping, slowed, lines)
+        k = _largest(mj, model, d, stiffness, stretched, lines)
         worst, undamped = max(worst, (c + math.sqrt(c * c + 4 * k)) / 2), max(undamped, math.sqrt(k))
     return worst * h, undamped * h
 
@@ -69,6 +70,16 @@ def resisted(model: Any, drives: Iterable[int]) -> tuple[Floats, Floats, Integer
         stiffness[adr] -= model.actuator_biasprm[actuator, 1]
         damping[adr] -= model.actuator_biasprm[actuator, 2]
     return stiffness, damping, dof
+
+
+def _along_tendons(model: Any, drives: Iterable[int]) -> tuple[Floats, Floats]:
+    """Stiffness and damping of tendons, with those of the actuators that pull at them: all but the joints' drives."""
+    stiffness, damping = np.array(model.tendon_stiffness), np.array(model.tendon_damping)
+    for actuator in sorted(set(range(model.nu)) - set(drives)):
+        tendon = model.actuator_trnid[actuator, 0]
+        stiffness[tendon] -= model.actuator_biasprm[actuator, 1]
+        damping[tendon] -= model.actuator_biasprm[actuator, 2]
+    return stiffness, damping
 
 
 def _largest(mj: Any, model: Any, d: Any, own: Floats, along: Floats, lines: Floats) -> float:

@@ -13,7 +13,8 @@ from plumbline.adapters.mujoco.prescribed import prescribe
 from plumbline.adapters.mujoco.rays import cast, caster
 from plumbline.adapters.mujoco.vendor import OPEN, counters, fatal, flag
 from plumbline.adapters.mujoco.world import World
-from plumbline.harness.adapter import Diverged, Notice, Settings
+from plumbline.harness.adapter import Diverged, Notice, Settings, Unsupported
+from plumbline.harness.adapter.between import write_between
 from plumbline.harness.adapter.rotations import products
 from plumbline.harness.adapter.what_goes_in import check_state, check_targets, check_velocities, check_wrench
 from plumbline.harness.scene import Camera, Vector3
@@ -32,7 +33,13 @@ class MujocoSimulation:
         self._kind = flag(world.mj, "mjtState", "mjSTATE_INTEGRATION")
         self._numbers = self._d.warning.number
         self._clean = self._numbers.tobytes()
-        self._movable = np.array([k for k, b in enumerate(world.scene.bodies) if b.movable], dtype=np.int64)
+        self._movable = np.array([k for k, b in enumerate(world.scene.bodies) if b.movable and not b.massless], dtype=np.int64)
+        self._massless = [k for k, b in enumerate(world.scene.bodies) if b.massless]
+        hung = self._indices.hung
+        self._natives = {
+            chain.joints: np.array([hung[world.scene.joints[k].name].native for k in chain.joints])
+            for chain in self._indices.chains
+        }
         self._root = self._m.body_rootid[self._indices.body]
         self._renderer, self._inertial, self._joints = Renderer(world), Inertial(world), JointReader(world)
 
@@ -83,6 +90,10 @@ class MujocoSimulation:
         if not self._indices.single:
             # cvel belongs to the point that lies at the centre of mass of the whole tree.
             out.v_WB[:] += cross(motion[:, :3], d.xpos[body] - d.subtree_com[self._root])
+        for chain in self._indices.chains:
+            natives = self._natives[chain.joints]
+            at, dof = self._m.jnt_qposadr[natives], self._m.jnt_dofadr[natives]
+            write_between(self._world.scene, chain, d.qpos[at], d.qvel[dof], out)
 
     def contacts(self) -> Contacts:
         """The contacts of the last step with their forces on B."""
@@ -132,8 +143,13 @@ class MujocoSimulation:
         prescribe(self._world, velocities)
 
     def wrench(self, f_B_W: Floats, tau_B_W: Floats) -> None:
-        """Force [N] at the centre of mass and torque [N m] in W on every movable body, in every step from now on."""
+        """Force [N] at the centre of mass and torque [N m] in W on every movable body, in every step from now on.
+
+        Raises: Unsupported, of one on a body without mass.
+        """
         check_wrench(len(self._indices.body), f_B_W, tau_B_W)
+        if np.any(f_B_W[self._massless]) or np.any(tau_B_W[self._massless]):
+            raise Unsupported("a force on a body without mass", "in MuJoCo it is joints of the body behind it")
         rows = self._indices.body[self._movable]
         self._d.xfrc_applied[rows, :3] = f_B_W[self._movable]
         self._d.xfrc_applied[rows, 3:] = tau_B_W[self._movable]

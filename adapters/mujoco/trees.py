@@ -48,8 +48,23 @@ def forest(scene: Scene, joints: Sequence[Joint]) -> tuple[list[Link], list[Join
 
     for root in (-1, *still):
         grow(root)
-    for k in range(len(scene.bodies)):
+    # A body without mass stands in no tree of its own; what hangs on it reaches it.
+    for k in sorted(range(len(scene.bodies)), key=lambda place: scene.bodies[place].massless):
         if k not in reached:
             links.append(Link(k, -1, None))
             grow(k)
     return links, list(trees.closing)
+
+
+def in_one_body(scene: Scene, links: Sequence[Link]) -> dict[int, tuple[Link, ...]]:
+    """By each body with mass the links whose native joints are its own, in their order: all behind the last body with mass."""
+    by_body = {link.body: link for link in links}
+    found = {}
+    for link in links:
+        if scene.bodies[link.body].massless:
+            continue
+        chain = [link]
+        while chain[0].above >= 0 and scene.bodies[chain[0].above].massless:
+            chain.insert(0, by_body[chain[0].above])
+        found[link.body] = tuple(chain)
+    return found

@@ -1,9 +1,10 @@
 """A compiled scene: model, state, and where the scene's bodies, drives and sensors stand in them."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from plumbline.harness.adapter.between import Chain
 from plumbline.harness.scene import Scene
 from plumbline.harness.trajectory import Floats, Integers
 
@@ -12,13 +13,15 @@ from plumbline.harness.trajectory import Floats, Integers
 class Hung:
     """A joint by which a body hangs.
 
-    Terms: body: its place in the scene. turned: is it the scene's parent? anchor_M (3,): the anchor in the principal frame M of
-    the scene's child [m].
+    Terms: body: the place in the scene of the body with mass that it moves. native: MuJoCo's joint, -1 of a weld. turned: is it
+    the scene's parent? anchor_M (3,): the anchor in the principal frame M of the scene's child [m], None where that has no
+    mass.
     """
 
     body: int
+    native: int
     turned: bool
-    anchor_M: Floats
+    anchor_M: Floats | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,10 +29,10 @@ class Indices:
     """Where the scene's bodies, drives and sensors stand in the compiled model.
 
     Terms:
-        body (n,): MuJoCo's body of each body of the scene. owner (ngeom,): the body of the scene that a geom is a shape of.
-        q_MB (n, 4): from B to the principal frame M, or None where all of them agree. single: no body hangs on another one.
-        drives: actuator by joint. hung: the native joints and welds, by name. inertial: indices of accelerometer and gyroscope
-        in the sensor data, by sensor.
+        body (n,): MuJoCo's body of each body of the scene, of one without mass that of the body behind it. chains: of these.
+        owner (ngeom,): the body of the scene that a geom is a shape of. q_MB (n, 4): from B to the principal frame M, or None
+        where all of them agree. single: no body hangs on another one. drives: actuator by joint. hung: the native joints and
+        welds, by name. inertial: indices of accelerometer and gyroscope in the sensor data, by sensor.
     """
 
     body: Integers
@@ -39,6 +42,7 @@ class Indices:
     drives: Mapping[str, int]
     hung: Mapping[str, Hung]
     inertial: Mapping[str, tuple[int, int]]
+    chains: Sequence[Chain]
 
 
 @dataclass(frozen=True, slots=True)

@@ -62,7 +62,9 @@ def _reach(body: Body, dt: float) -> float:
 
 
 def check_body(body: Body) -> None:
-    """Raises: Unsupported, for shapes that Rapier has not."""
+    """Raises: Unsupported, for shapes that Rapier has not, and for no mass."""
+    if body.massless:
+        raise Unsupported(f"body '{body.name}' without mass", "the adapter tells Rapier bodies with mass alone")
     for placed in body.collision:
         if isinstance(placed.shape, Ellipsoid):
             raise Unsupported(f"ellipsoid of body '{body.name}'", "Rapier has no such shape")

@@ -10,6 +10,7 @@ from plumbline.adapters.rapier.simulation import Made, RapierSimulation
 from plumbline.adapters.rapier.surfaces import Law, PairLaws, groups_of, laws_of
 from plumbline.adapters.rapier.trees import put_trees
 from plumbline.harness.adapter import Notice, Settings
+from plumbline.harness.adapter.carried_laws import refuse_tendons
 from plumbline.harness.adapter.reduced_trees import trees_of
 from plumbline.harness.scene import WORLD, Effect, Scene
 
@@ -18,6 +19,8 @@ def build(rapier: Any, scene: Scene, settings: Settings) -> RapierSimulation:
     """Exactly this scene under these settings. Raises: Unsupported, SettingsError."""
     effects = scene.effects
     used = resolved_settings(settings, effects)
+    if Effect.JOINTS in effects:
+        refuse_tendons(scene)
     world = rapier.PhysicsWorld(gravity=scene.gravity if Effect.GRAVITY in effects else (0.0, 0.0, 0.0))
     set_parameters(rapier, world, used)
     if Effect.CONTINUOUS_COLLISION not in effects:

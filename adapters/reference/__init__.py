@@ -32,6 +32,8 @@ Deviations:
       contacts the soft solver and semi-implicit Euler alone know them, and 'tuned' takes both, in one sub-step unless masses
       are unlike. With loops the option 'coordinates' as 'joint' takes them, and 'automatic' leaves them in the bodies' own. A
       joint that closes a loop has no law there: limits, springs, drives, rotors and friction of its own are `Unsupported`.
+      Coupled joints, and bodies without mass, are taken in joint coordinates or not at all; so are springs between two points
+      beside these, and loops that they are part of: `Unsupported`.
     * Against a face, a cylinder's cap is a polygon of 16 corners on its rim.
     * Bodies already in touch take a blow as one: of five touching balls hit by one, the four move on together. So do bodies
       whose gap closes in the same sub-step. The solver 'exact' goes from blow to blow, but not to pairs that were too far apart
@@ -117,10 +119,11 @@ ADAPTER = ReferenceAdapter(
     licence="Apache-2.0",
     platforms=("linux-x86_64", "linux-aarch64", "macos-arm64", "windows-x86_64"),
     features=F.SPHERE | F.BOX | F.CAPSULE | F.CYLINDER | F.ELLIPSOID | F.PLANE | F.CONVEX_HULL | F.TRIANGLE_MESH
-    | F.MOVING_MESH | F.COMPOUND | F.FULL_INERTIA | F.KINEMATIC | F.PRESCRIBED_MOTION | F.MASS_POINT | F.FIXED | F.BALL
+    | F.MOVING_MESH | F.COMPOUND | F.FULL_INERTIA | F.KINEMATIC | F.PRESCRIBED_MOTION | F.MASS_POINT | F.MASSLESS | F.FIXED
+    | F.BALL
     | F.REVOLUTE | F.PRISMATIC
     | F.DISTANCE | F.DISTANCE_SPRING | F.CLOSED_LOOP | F.LIMITS | F.SPRINGS | F.DRIVES | F.FEEDFORWARD
-    | F.ARMATURE | F.FRICTION_LOSS | F.SPEED_LIMIT
+    | F.ARMATURE | F.FRICTION_LOSS | F.SPEED_LIMIT | F.COUPLING
     | F.PAIR_FRICTION | F.STATIC_FRICTION | F.ROLLING_FRICTION | F.TORSIONAL_FRICTION
     | F.RESTITUTION | F.LINEAR_DAMPING | F.ANGULAR_DAMPING | F.CONTINUOUS_COLLISION | F.CONTACTS | F.CONTACT_FORCES | F.RAYS
     | F.RENDER | F.RAY_TRACING | F.WRENCH | F.SAVE | F.NATIVE_STEPS | F.STEP_LENGTHS,
@@ -170,6 +173,12 @@ ADAPTER = ReferenceAdapter(
         *KNOB_TRADE_OFFS,
     ),
     threads=(2, 4),
+    known_failures={
+        f"{track}/pair_distance_spring_and_second_joint_of_a_body": (
+            "bodies without mass are in joint coordinates alone, of which springs between two points are no law: `Unsupported`"
+        )
+        for track in ("default", "tuned")
+    },
     deviations=(
         "Contacts are springs of at most a quarter of the sub-step's rate; resting bodies sink in by micrometres.",
         "Approaches slower than four times what gravity gives in one sub-step do not bounce.",

@@ -4,7 +4,6 @@ from typing import TYPE_CHECKING, Any, assert_never
 
 import numpy as np
 
-from plumbline.harness.adapter import Unsupported
 from plumbline.harness.scene import Ball, Distance, Drive, Effect, Fixed, Joint, Prismatic, Revolute
 
 if TYPE_CHECKING:
@@ -55,12 +54,12 @@ def engine_joint(joint: Joint, effects: Effect) -> "engine.Joint":
 
 
 def _along(joint: Revolute | Prismatic) -> dict[str, Any]:
-    """Rotor, dry friction and speed limit of a joint with one coordinate. Raises: Unsupported."""
-    if joint.coupling is not None:
-        raise Unsupported(
-            f"joint '{joint.name}': coupling to '{joint.coupling.joint}'", "a row of the solver is between two bodies"
-        )
+    """Rotor, dry friction, speed limit and coupling of a joint with one coordinate."""
+    from plumbline import engine
+
+    tie = joint.coupling
     return {
+        "coupling": None if tie is None else engine.Coupling(joint=tie.joint, ratio=tie.ratio, offset=tie.offset),
         "armature": joint.armature or 0.0,
         "friction_loss": joint.friction_loss or 0.0,
         "speed_limit": np.inf if joint.speed_limit is None else joint.speed_limit,

@@ -6,6 +6,7 @@ from plumbline.adapters.reference.bodies import engine_body
 from plumbline.adapters.reference.joints import engine_joint
 from plumbline.adapters.reference.surfaces import engine_surface
 from plumbline.harness.adapter import Unsupported
+from plumbline.harness.adapter.carried_laws import refuse_tendons
 from plumbline.harness.scene import Effect, Scene
 
 if TYPE_CHECKING:
@@ -19,6 +20,8 @@ def make_world(scene: Scene, options: "engine.Options") -> "engine.World":
     from plumbline import engine
 
     effects = scene.effects
+    if Effect.JOINTS in effects:
+        refuse_tendons(scene)
     try:
         return engine.World(
             bodies=[engine_body(body, effects) for body in scene.bodies],

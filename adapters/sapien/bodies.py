@@ -117,7 +117,9 @@ class Bodies:
 
 
 def check_body(body: Body) -> None:
-    """Raises: Unsupported, for shapes that PhysX has not."""
+    """Raises: Unsupported, for shapes that PhysX has not, and for no mass."""
+    if body.massless:
+        raise Unsupported(f"body '{body.name}' without mass", "the adapter tells PhysX bodies with mass alone")
     for placed in body.collision:
         match placed.shape:
             case Ellipsoid():

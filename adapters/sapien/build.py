@@ -13,6 +13,7 @@ from plumbline.adapters.sapien.simulation import SapienSimulation, World
 from plumbline.adapters.sapien.surfaces import groups_of, materials_of
 from plumbline.adapters.sapien.vendor import new_world
 from plumbline.harness.adapter import Notice, Settings, Unsupported
+from plumbline.harness.adapter.carried_laws import refuse_tendons
 from plumbline.harness.adapter.distance_springs import DistanceSprings, is_distance_spring
 from plumbline.harness.adapter.reduced_trees import Tree, trees_of
 from plumbline.harness.scene import WORLD, Effect, Joint, Scene
@@ -25,6 +26,8 @@ def build(sapien: Any, scene: Scene, settings: Settings) -> SapienSimulation:
     """Exactly this scene under these settings. Raises: Unsupported, SettingsError."""
     effects = scene.effects
     joints = tuple(j for j in scene.joints if not is_distance_spring(j)) if Effect.JOINTS in effects else ()
+    if Effect.JOINTS in effects:
+        refuse_tendons(scene)
     towed = next((joint for joint in joints if _holds_led(scene, joint)), None)
     used = resolved_settings(settings, effects, towed is not None)
     if towed is not None and used.solver == "pgs":

@@ -9,6 +9,7 @@ from plumbline.engine.articulated import tables as tree
 from plumbline.engine.articulated.articulated_body import transmitted
 from plumbline.engine.articulated.motion import move_links
 from plumbline.engine.articulated.tables import Tables
+from plumbline.engine.articulated.ties import follow_coordinates, follow_rates
 from plumbline.engine.compile.jit import kernel
 from plumbline.engine.maths.rows import Vec, load3, load4, load9, store3, store4
 from plumbline.engine.maths.vec import add, axpy, cross, mat_vec, neg, quat_turn, quat_unit, sub
@@ -29,9 +30,10 @@ def change_rates(tables: Tables, h: float) -> None:
     column, law = tables.column, tables.law
     for k in range(column.shape[0]):
         if column[k, tree.ADDED] == math.inf:
-            column[k, tree.RATE] = law[k, tree.BREAK + int(law[k, tree.SEGMENT]) // 2]
+            column[k, tree.RATE] = law[k, tree.HELD]
         else:
             column[k, tree.RATE] += h * column[k, tree.CHANGE]
+    follow_rates(tables)
 
 
 @kernel
@@ -46,6 +48,7 @@ def drift_coordinates(tables: Tables, h: float) -> None:
             store4(coordinate, i, 0, quat_turn(load4(coordinate, i, 0), rates_of(tables, k), h))
             if kind[i, tree.TYPE] == tree.FREE:
                 store3(coordinate, i, tree.POSITION, axpy(h, rates_of(tables, k + 3), load3(coordinate, i, tree.POSITION)))
+    follow_coordinates(tables)
 
 
 @kernel

@@ -16,6 +16,7 @@ import math
 
 from plumbline.engine.articulated import tables as tree
 from plumbline.engine.articulated.tables import Tables
+from plumbline.engine.articulated.ties import factor_ties, pull_ties
 from plumbline.engine.compile.jit import kernel
 from plumbline.engine.maths.floats import fma
 from plumbline.engine.maths.rows import Floats, Mat, Sym, Vec, load3, load6, load9, store3, store6, store9
@@ -128,6 +129,9 @@ def outwards(tables: Tables) -> None:
 def accelerations(tables: Tables, biased: bool) -> None:
     """Write the change of every column's rate, from inertia and force of every link, which are used up. Args: as `inwards`."""
     inwards(tables, biased)
+    if tables.tie.shape[0] > 0:
+        factor_ties(tables)
+        pull_ties(tables, True)
     outwards(tables)
 
 
@@ -161,6 +165,8 @@ def answer_forces(tables: Tables, h: float) -> tuple[float, float]:
     Rates that are prescribed stay, and the force that keeps them is counted. Returns: the largest change, and the largest rate.
     """
     forces_inwards(tables)
+    if tables.tie.shape[0] > 0:
+        pull_ties(tables, False)
     motion, column, kind = tables.motion, tables.column, tables.kind
     largest, fastest = 0.0, 0.0
     for i in range(kind.shape[0]):

@@ -21,30 +21,55 @@ def with_trees(floats: Floats, ints: Ints, forest: Forest) -> tuple[Floats, Ints
     """
     joint_kind = at.int_table(ints, at.JOINT_KIND)
     types = [tree.FREE if link.joint < 0 else int(joint_kind[link.joint, at.JOINT_TYPE]) for link in forest.links]
-    n, m = len(forest.links), sum(DEGREES[kind] for kind in types)
-    rows = [n, n, n, n, m, m, n, m, n], [n, len(forest.others), len(forest.closing)]
+    n, m, t = len(forest.links), sum(DEGREES[kind] for kind in types), sum(link.tie is not None for link in forest.links)
+    more = t + 1 if t > 0 else 0
+    rows = [n, n, n, n, m, m, n, m, n, more * n, more * m, t * t, t], [n, len(forest.others), len(forest.closing), t]
     starts: list[int] = []
     place = len(floats)
     for count, columns in zip(rows[0], tree.FLOAT_COLUMNS.tolist(), strict=True):
         starts += [place, count]
         place += count * columns
-    more = np.zeros(place - len(floats))
+    behind = np.zeros(place - len(floats))
     place = len(ints) + 2 * (len(rows[0]) + len(rows[1]))
     for count, columns in zip(rows[1], tree.INT_COLUMNS.tolist(), strict=True):
         starts += [place, count]
         place += count * columns
     tail = np.zeros(place - len(ints) + 1, np.int64)
     tail[: len(starts)], tail[-1] = starts, len(ints)
-    floats, ints = np.concatenate((floats, more)), np.concatenate((ints, tail))
+    floats, ints = np.concatenate((floats, behind)), np.concatenate((ints, tail))
     first = 0
     for k, (link, kind) in enumerate(zip(forest.links, types, strict=True)):
-        tree.int_view(ints, tree.KIND)[k] = link.parent, link.body, link.joint, kind, first, DEGREES[kind], link.base, link.root
+        kin = link.parent, link.body, link.joint, kind, first, DEGREES[kind], link.base, link.root, k, -1, link.root
+        tree.int_view(ints, tree.KIND)[k] = kin
         _write_link(floats, ints, k, link, kind)
         _write_coordinates(floats, ints, k, link, kind)
         first += DEGREES[kind]
     tree.int_view(ints, tree.OTHER)[:, 0] = forest.others
     tree.int_view(ints, tree.CLOSING)[:, 0] = forest.closing
+    _write_ties(floats, ints, forest)
     return floats, ints
+
+
+def _write_ties(floats: Floats, ints: Ints, forest: Forest) -> None:
+    """Fill who follows whom, and which trees that holds together; all that are tied to laws have the bit `HAS_TIED`."""
+    kinds, constants = tree.int_view(ints, tree.KIND), tree.float_view(floats, ints, tree.LINK)
+    joint_kind = at.int_table(ints, at.JOINT_KIND)
+    constants[:, tree.RATIO] = 1.0
+    followers = [k for k, link in enumerate(forest.links) if link.tie is not None]
+    tree.int_view(ints, tree.FOLLOWER)[:, 0] = followers
+    for k in followers:
+        tie = forest.links[k].tie
+        assert tie is not None
+        constants[k, tree.RATIO] = tie.ratio
+        kinds[k, tree.LEADER], kinds[k, tree.NEXT] = tie.leader, kinds[tie.leader, tree.NEXT]
+        kinds[tie.leader, tree.NEXT] = k
+        low, high = sorted(int(kinds[link, tree.CLUSTER]) for link in (k, tie.leader))
+        last = int(np.flatnonzero(kinds[:, tree.CLUSTER] == high)[-1])
+        kinds[low : last + 1, tree.CLUSTER] = low
+    for leader in {int(kinds[k, tree.LEADER]) for k in followers}:
+        joints = kinds[kinds[:, tree.LEADER] == leader, tree.JOINT]
+        if joint_kind[joints, at.HAS].any():
+            joint_kind[joints, at.HAS] |= at.HAS_TIED
 
 
 def grow_world(floats: Floats, ints: Ints, trees: bool) -> tuple[Floats, Ints]:

@@ -12,7 +12,7 @@ from typing import Final
 from plumbline.engine.articulated import tables as tree
 from plumbline.engine.articulated.articulated_body import accelerations, needed_by
 from plumbline.engine.articulated.forces import weigh_links
-from plumbline.engine.articulated.laws import ALL, PRESSED, next_segment, take_segment, write_laws
+from plumbline.engine.articulated.laws import ALL, PRESSED, is_ruled, next_segment, take_segment, write_laws
 from plumbline.engine.articulated.momenta import load_momenta, press_links
 from plumbline.engine.articulated.tables import Tables
 from plumbline.engine.compile.jit import kernel
@@ -42,23 +42,38 @@ def needed_force(tables: Tables, i: int, armature: float) -> float:
 
 
 @kernel
+def held_by(tables: Tables, joints: Joints, i: int) -> float:
+    """The force of the law of the column of link i that gives the changes which are prescribed there and in all that it leads.
+
+    Of each of these columns the force along it alone is kept in LEFT.
+    """
+    kind, total, m = tables.kind, 0.0, i
+    while m >= 0:
+        found = needed_force(tables, m, joints.joint[kind[m, tree.JOINT], at.ARMATURE])
+        tables.column[kind[m, tree.FIRST], tree.LEFT] = found
+        total += tables.link[m, tree.RATIO] * found
+        m = kind[m, tree.NEXT]
+    return total
+
+
+@kernel
 def change_segments(tables: Tables, joints: Joints, h: float, alone: bool) -> int:
     """Let columns on the wrong segment go on to the next, all of them or the first alone. Returns: how many there were."""
     law, column, kind, wrong = tables.law, tables.column, tables.kind, 0
     for i in range(kind.shape[0]):
-        j, k = kind[i, tree.JOINT], kind[i, tree.FIRST]
-        if j < 0 or joints.kind[j, at.HAS] == 0 or law[k, tree.BREAKS] == 0.0:
+        k = kind[i, tree.FIRST]
+        if not is_ruled(tables, joints, i) or law[k, tree.BREAKS] == 0.0:
             continue
         if int(law[k, tree.SEGMENT]) % 2 == 1:
-            found = column[k, tree.LEFT] = needed_force(tables, i, joints.joint[j, at.ARMATURE])
+            found = held_by(tables, joints, i)
         else:
             found = column[k, tree.RATE] + h * column[k, tree.CHANGE]
-        segment = next_segment(law, k, joints.joint, j, h, found, 0.0)
+        segment = next_segment(tables, i, joints, h, found, 0.0)
         if segment != int(law[k, tree.SEGMENT]):
             wrong += 1
             if wrong == 1 or not alone:
                 law[k, tree.SEGMENT] = segment
-                take_segment(tables, k, joints, j, h)
+                take_segment(tables, i, joints, h)
     return wrong
 
 

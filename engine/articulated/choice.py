@@ -1,7 +1,8 @@
 """Whether a world is solved in joint coordinates: as its options choose, where its joints make trees.
 
 Where joints close loops they are taken if they are asked for by name alone. Where bodies may touch they are taken unless most
-bodies are loose: those have nothing of a tree, and a sweep over both costs more than over bodies alone.
+bodies are loose: those have nothing of a tree, and a sweep over both costs more than over bodies alone. Coupled joints and
+bodies without mass leave no choice: a row of bodies' own coordinates is between two bodies, both with mass.
 """
 
 from collections.abc import Sequence
@@ -22,19 +23,25 @@ def chosen_forest(bodies: Sequence[Body], joints: Sequence[Joint], options: Opti
     Args: touching: whether two bodies may touch.
     Raises: NotSupported where joint coordinates are asked for, and nothing else will do.
     """
-    if options.used_coordinates == MAXIMAL or not joints:
+    wanted = [f"coupled joint '{joint.name}'" for joint in joints if getattr(joint, "coupling", None) is not None]
+    wanted += [f"body '{body.name}' without mass" for body in bodies if body.massless]
+    if not wanted and (not joints or options.used_coordinates == MAXIMAL):
         return None
     found = forest_of(bodies, joints)
-    if options.coordinates != JOINT and isinstance(found, Forest):
+    if options.coordinates != JOINT and not wanted and isinstance(found, Forest):
         loose = sum(bodies[i].motion == "dynamic" for i in found.others)
         if found.closing or (touching and loose > len(found.links)):
             return None
-    if options.integrator not in INTEGRATORS:
+    if wanted and options.coordinates == MAXIMAL:
+        found = NoForest("bodies' own coordinates", "a row of theirs is between two bodies, both with mass")
+    elif options.integrator not in INTEGRATORS:
         found = NoForest(f"the integrator '{options.integrator}'", f"they know {', '.join(INTEGRATORS)}")
     elif isinstance(found, Forest) and (touching or found.closing):
         found = unknown(options, "contacts" if touching else f"joint '{joints[found.closing[0]].name}'") or found
     if isinstance(found, Forest):
         return found
+    if wanted:
+        raise NotSupported(f"{wanted[0]} with {found.what}", found.why)
     if options.coordinates == JOINT:
         raise NotSupported(f"joint coordinates with {found.what}", found.why)
     return None

@@ -2,10 +2,11 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from plumbline.engine.build.couplings import leaders_of
 from plumbline.engine.describe.bodies import Body
 from plumbline.engine.describe.joints import Ball, Distance, Joint
 from plumbline.engine.maths.arrays import dot, eigenvalues
@@ -13,6 +14,14 @@ from plumbline.engine.maths.arrays import dot, eigenvalues
 THINNEST = 1e-12
 """Of m l^2, the least moment of inertia of a body whose centre swings at l about a ball joint. Coordinates of a tree know the
 moment about its own arm as what is left of sums of m l^2: round-off of a torque m g l turns it by 2e-4 g / l then."""
+
+
+@dataclass(frozen=True, slots=True)
+class Tie:
+    """The link whose coordinate another one's follows, itself free, and their ratio."""
+
+    leader: int
+    ratio: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,6 +38,7 @@ class Link:
     joint: int
     base: int
     against: bool
+    tie: Tie | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -125,8 +135,25 @@ def forest_of(bodies: Sequence[Body], joints: Sequence[Joint]) -> Forest | NoFor
                     f"its least moment of inertia is {least:.3g} kg m2, and what ball joint '{hook.name}' leaves of it in "
                     f"coordinates of a tree is known to {needed:.3g}",
                 )
+    place = {joints[link.joint].name: k for k, link in enumerate(links) if link.joint >= 0}
+    for name, (leader, ratio) in leaders_of(joints).items():
+        for end in (name, leader):
+            if end not in place:
+                return NoForest(f"joint '{end}'", "it closes a loop, and couplings tie coordinates of trees")
+        links[place[name]] = replace(links[place[name]], tie=Tie(place[leader], ratio))
+    carrying = {link.parent for link in links}
+    for i, body in enumerate(bodies):
+        if not body.massless:
+            continue
+        if i not in where or links[where[i]].joint < 0 or where[i] not in carrying or _closes(body, closing, joints):
+            return NoForest(f"body '{body.name}'", "it has no mass, and stands between no two joints of a tree")
     others = tuple(i for i, body in enumerate(bodies) if i not in where and body.motion != "static")
     return Forest(tuple(links), others, closing)
+
+
+def _closes(body: Body, closing: Sequence[int], joints: Sequence[Joint]) -> bool:
+    """Whether a joint that closes a loop ends at a body."""
+    return any(body.name in (joints[j].parent, joints[j].child) for j in closing)
 
 
 def law_of(joint: Joint) -> str:

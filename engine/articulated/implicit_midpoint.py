@@ -26,6 +26,7 @@ from plumbline.engine.articulated.mixing import DEPTH, mixed
 from plumbline.engine.articulated.motion import move_links
 from plumbline.engine.articulated.runge_kutta import push_columns
 from plumbline.engine.articulated.tables import Tables
+from plumbline.engine.articulated.ties import follow_rates
 from plumbline.engine.compile.jit import kernel
 from plumbline.engine.maths.rows import Floats
 from plumbline.engine.memory import arena as at
@@ -70,10 +71,15 @@ def change_middle(tables: Tables, joints: Joints, h: float) -> tuple[float, floa
         j, k = kind[i, tree.JOINT], kind[i, tree.FIRST]
         if j >= 0 and joints.kind[j, at.HAS] != 0:
             column[k, tree.PUSH] -= (column[k, tree.ADDED] - joints.joint[j, at.ARMATURE]) * column[k, tree.CHANGE]
+    for t in range(tables.tie.shape[0]):
+        follower, pull = tables.follower[t, 0], tables.tie[t, tree.PULLED]
+        column[kind[follower, tree.FIRST], tree.PUSH] += pull
+        column[kind[kind[follower, tree.LEADER], tree.FIRST], tree.PUSH] -= tables.link[follower, tree.RATIO] * pull
     for k in range(column.shape[0]):
         column[k, tree.MOMENTUM] += 0.5 * h * column[k, tree.PUSH]
         column[k, tree.RATE] += 0.5 * h * column[k, tree.CHANGE]
         change, rate = max(change, abs(0.5 * h * column[k, tree.CHANGE])), max(rate, abs(column[k, tree.RATE]))
+    follow_rates(tables)
     return change, rate
 
 

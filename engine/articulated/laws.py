@@ -7,7 +7,8 @@ limit) or jumps (friction at 0, a stop at the rate that reaches it):
     spring    -k (x + h v - rest) - c v             drive     k (target - x - h v) + c (target' - v), within its limit
     friction  -loss sign(v)                         stops     (lower - x) / h <= v <= (upper - x) / h,  |v| <= speed limit
 
-A joint is on a piece, f = push - slope v, which adds h slope to its inertia, or at a jump, which fixes v.
+A joint is on a piece, f = push - slope v, which adds h slope to its inertia, or at a jump, which fixes v. Coordinates that are
+tied have one law, of the rate v of the one that leads: the sum of ratio f(ratio v) over all, which falls with v as well.
 
 Source: as `engine.constrain.coordinate`, whose rows say the same; Rockafellar, Convex Analysis, 1970, section 24 (monotone
 graphs).
@@ -56,29 +57,64 @@ def put_break(law: Floats, k: int, break_rate: float, jumps: float) -> None:
 
 
 @kernel
-def write_breaks(law: Floats, k: int, joint: Floats, j: int, h: float) -> None:
-    """Write the ends and breaks of the law of column k, of joint j."""
-    has, x = int(law[k, tree.WHICH]), law[k, tree.X]
-    low, high = -math.inf, math.inf
-    if has & at.HAS_LIMITS:
-        low, high = (joint[j, at.LOWER] - x) / h, (joint[j, at.UPPER] - x) / h
-    if has & at.HAS_SPEED_LIMIT:
-        fastest = joint[j, at.SPEED_LIMIT]
-        low, high = min(max(low, -fastest), fastest), max(min(high, fastest), -fastest)
-    law[k, tree.LOWEST], law[k, tree.HIGHEST], law[k, tree.BREAKS] = low, high, 0.0
+def narrow(law: Floats, k: int, low: float, high: float, ratio: float) -> None:
+    """Let the law of column k end where `ratio` times its rate is between low and high."""
+    one, other = low / ratio, high / ratio
+    law[k, tree.LOWEST] = max(law[k, tree.LOWEST], min(one, other))
+    law[k, tree.HIGHEST] = min(law[k, tree.HIGHEST], max(one, other))
+
+
+@kernel
+def write_ends(tables: Tables, i: int, joints: Joints, h: float) -> None:
+    """Write the rates between which the law of the column of link i is, with those of all that it leads."""
+    law, kind, joint, k = tables.law, tables.kind, joints.joint, tables.kind[i, tree.FIRST]
+    law[k, tree.LOWEST], law[k, tree.HIGHEST] = -math.inf, math.inf
+    m = i
+    while m >= 0:
+        c, j, ratio = kind[m, tree.FIRST], kind[m, tree.JOINT], tables.link[m, tree.RATIO]
+        if int(law[c, tree.WHICH]) & at.HAS_LIMITS:
+            x = law[c, tree.X]
+            narrow(law, k, (joint[j, at.LOWER] - x) / h, (joint[j, at.UPPER] - x) / h, ratio)
+        m = kind[m, tree.NEXT]
+    if law[k, tree.LOWEST] > law[k, tree.HIGHEST]:
+        # Of coordinates that are tied, and that limits lock: by rounding.
+        law[k, tree.LOWEST] = law[k, tree.HIGHEST] = 0.5 * (law[k, tree.LOWEST] + law[k, tree.HIGHEST])
+    m = i
+    while m >= 0:
+        c, j, ratio = kind[m, tree.FIRST], kind[m, tree.JOINT], tables.link[m, tree.RATIO]
+        if int(law[c, tree.WHICH]) & at.HAS_SPEED_LIMIT:
+            fastest = abs(joint[j, at.SPEED_LIMIT] / ratio)
+            low, high = law[k, tree.LOWEST], law[k, tree.HIGHEST]
+            law[k, tree.LOWEST] = min(max(low, -fastest), fastest)
+            law[k, tree.HIGHEST] = max(min(high, fastest), -fastest)
+        m = kind[m, tree.NEXT]
+
+
+@kernel
+def write_breaks(tables: Tables, i: int, joints: Joints, h: float) -> None:
+    """Write the ends and breaks of the law of the column of link i, with those of all that it leads."""
+    law, kind, joint, k = tables.law, tables.kind, joints.joint, tables.kind[i, tree.FIRST]
+    write_ends(tables, i, joints, h)
+    low, high = law[k, tree.LOWEST], law[k, tree.HIGHEST]
+    law[k, tree.BREAKS] = 0.0
     if low > -math.inf:
         put_break(law, k, low, 1.0)
     if high < math.inf:
         put_break(law, k, high, 1.0)
-    if has & at.HAS_FRICTION and low < 0.0 < high:
-        put_break(law, k, 0.0, 1.0)
-    if has & at.HAS_DRIVE and joint[j, at.DRIVE + 4] < math.inf:
-        push, slope = drive_line(joint, j, x, h)
-        if slope > 0.0:
-            for side in (-1.0, 1.0):
-                break_rate = (push + side * joint[j, at.DRIVE + 4]) / slope
-                if low < break_rate < high:
-                    put_break(law, k, break_rate, 0.0)
+    m = i
+    while m >= 0:
+        c, j, ratio = kind[m, tree.FIRST], kind[m, tree.JOINT], tables.link[m, tree.RATIO]
+        has = int(law[c, tree.WHICH])
+        if has & at.HAS_FRICTION and low < 0.0 < high:
+            put_break(law, k, 0.0, 1.0)
+        if has & at.HAS_DRIVE and joint[j, at.DRIVE + 4] < math.inf:
+            push, slope = drive_line(joint, j, law[c, tree.X], h)
+            if slope > 0.0:
+                for side in (-1.0, 1.0):
+                    break_rate = (push + side * joint[j, at.DRIVE + 4]) / slope / ratio
+                    if low < break_rate < high:
+                        put_break(law, k, break_rate, 0.0)
+        m = kind[m, tree.NEXT]
 
 
 @kernel
@@ -90,7 +126,7 @@ def drive_line(joint: Floats, j: int, x: float, h: float) -> tuple[float, float]
 
 @kernel
 def piece(law: Floats, k: int, joint: Floats, j: int, h: float, rate: float) -> tuple[float, float]:
-    """Push and slope of the piece that a rate, between breaks, lies on."""
+    """Push and slope of the piece that a rate of column k, between breaks, lies on; of what acts along it alone."""
     has, x = int(law[k, tree.WHICH]), law[k, tree.X]
     push, slope = 0.0, 0.0
     if has & at.HAS_SPRING:
@@ -139,53 +175,75 @@ def first_segment(law: Floats, k: int, rate: float) -> int:
 
 
 @kernel
-def take_segment(tables: Tables, k: int, joints: Joints, j: int, h: float) -> None:
-    """Write what the segment of column k adds to its inertia and pushes it by, or the change that a jump prescribes."""
-    law, column, joint = tables.law, tables.column, joints.joint
+def take_segment(tables: Tables, i: int, joints: Joints, h: float) -> None:
+    """Write what the segment of the column of link i adds to the inertia and pushes by, or the change that a jump prescribes;
+    of all columns that it leads too."""
+    law, column, kind, joint, k = tables.law, tables.column, tables.kind, joints.joint, tables.kind[i, tree.FIRST]
     segment = int(law[k, tree.SEGMENT])
-    if segment % 2 == 1:
-        column[k, tree.ADDED] = math.inf
-        column[k, tree.CHANGE] = (law[k, tree.BREAK + segment // 2] - column[k, tree.RATE]) / h
-        return
-    push, slope = piece(law, k, joint, j, h, middle(law, k, segment // 2, column[k, tree.RATE]))
-    column[k, tree.ADDED] = joint[j, at.ARMATURE] + h * slope
-    column[k, tree.PUSH] = push - slope * column[k, tree.RATE] + column[k, tree.BESIDE]
+    rate = law[k, tree.BREAK + segment // 2] if segment % 2 == 1 else middle(law, k, segment // 2, column[k, tree.RATE])
+    m = i
+    while m >= 0:
+        c, j, own = kind[m, tree.FIRST], kind[m, tree.JOINT], tables.link[m, tree.RATIO] * rate
+        law[c, tree.SEGMENT] = segment
+        if segment % 2 == 1:
+            law[c, tree.HELD], column[c, tree.ADDED] = own, math.inf
+            column[c, tree.CHANGE] = (own - column[c, tree.RATE]) / h
+        else:
+            push, slope = piece(law, c, joint, j, h, own)
+            column[c, tree.ADDED] = joint[j, at.ARMATURE] + h * slope
+            column[c, tree.PUSH] = push - slope * column[c, tree.RATE] + column[c, tree.BESIDE]
+        m = kind[m, tree.NEXT]
 
 
 @kernel
-def force_beside(law: Floats, k: int, joint: Floats, j: int, h: float, side: int) -> float:
-    """The force just below (side 0) or above (1) the jump that column k is at; infinite beyond the ends of its law."""
-    i = int(law[k, tree.SEGMENT]) // 2
-    break_rate = law[k, tree.BREAK + i]
+def force_beside(tables: Tables, i: int, joints: Joints, h: float, side: int) -> float:
+    """The force just below (side 0) or above (1) the jump that the column of link i is at; infinite beyond the ends of its
+    law."""
+    law, kind, k = tables.law, tables.kind, tables.kind[i, tree.FIRST]
+    at_break = int(law[k, tree.SEGMENT]) // 2
+    break_rate = law[k, tree.BREAK + at_break]
     if side == 0 and break_rate == law[k, tree.LOWEST]:
         return math.inf
     if side == 1 and break_rate == law[k, tree.HIGHEST]:
         return -math.inf
-    push, slope = piece(law, k, joint, j, h, middle(law, k, i + side, break_rate))
-    return float(push - slope * break_rate)
+    rate, total, m = middle(law, k, at_break + side, break_rate), 0.0, i
+    while m >= 0:
+        c, ratio = kind[m, tree.FIRST], tables.link[m, tree.RATIO]
+        push, slope = piece(law, c, joints.joint, kind[m, tree.JOINT], h, ratio * rate)
+        total += ratio * (push - slope * (ratio * break_rate))
+        m = kind[m, tree.NEXT]
+    return total
 
 
 @kernel
-def next_segment(law: Floats, k: int, joint: Floats, j: int, h: float, found: float, open_by: float) -> int:
-    """The segment that column k goes on to, one at a time; the present one where it is right.
+def next_segment(tables: Tables, i: int, joints: Joints, h: float, found: float, open_by: float) -> int:
+    """The segment that the column of link i goes on to, one at a time; the present one where it is right.
 
     Args: found: its rate at the end or, where it is at a jump, the force that keeps it there; open_by: how exactly that is
         known, beside round-off.
     """
+    law, k = tables.law, tables.kind[i, tree.FIRST]
     segment = int(law[k, tree.SEGMENT])
-    i = segment // 2
+    place = segment // 2
     least = ROUND_OFF * (1.0 + abs(found)) + open_by
     if segment % 2 == 1:
-        if found > force_beside(law, k, joint, j, h, 0) + least:
+        if found > force_beside(tables, i, joints, h, 0) + least:
             return segment - 1
-        if found < force_beside(law, k, joint, j, h, 1) - least:
+        if found < force_beside(tables, i, joints, h, 1) - least:
             return segment + 1
         return segment
-    if i > 0 and found < law[k, tree.BREAK + i - 1] - least:
-        return segment - (1 if law[k, tree.JUMPS + i - 1] == 1.0 else 2)
-    if i < int(law[k, tree.BREAKS]) and found > law[k, tree.BREAK + i] + least:
-        return segment + (1 if law[k, tree.JUMPS + i] == 1.0 else 2)
+    if place > 0 and found < law[k, tree.BREAK + place - 1] - least:
+        return segment - (1 if law[k, tree.JUMPS + place - 1] == 1.0 else 2)
+    if place < int(law[k, tree.BREAKS]) and found > law[k, tree.BREAK + place] + least:
+        return segment + (1 if law[k, tree.JUMPS + place] == 1.0 else 2)
     return segment
+
+
+@kernel
+def is_ruled(tables: Tables, joints: Joints, i: int) -> bool:
+    """Whether link i has a column with a law; one that follows another has none of its own."""
+    j = tables.kind[i, tree.JOINT]
+    return bool(j >= 0 and joints.kind[j, at.HAS] != 0 and tables.kind[i, tree.LEADER] == i)
 
 
 @kernel
@@ -193,18 +251,20 @@ def write_laws(tables: Tables, joints: Joints, h: float, which: int) -> int:
     """Write the laws of all columns for a sub-step h, each on its first segment. Returns: how many breaks they have."""
     law, kind, breaks = tables.law, tables.kind, 0
     for i in range(kind.shape[0]):
-        j = kind[i, tree.JOINT]
-        if j < 0 or joints.kind[j, at.HAS] == 0:
+        if not is_ruled(tables, joints, i):
             continue
-        k = kind[i, tree.FIRST]
-        acting = -1 if which <= ALL else joints.kind[j, at.IMPLICIT] | at.HAS_LIMITS
-        if which == SMOOTH:
-            acting = at.HAS_SPRING | at.HAS_DRIVE
-        law[k, tree.WHICH] = joints.kind[j, at.HAS] & acting
-        law[k, tree.X] = tables.coordinate[i, 0]
-        write_breaks(law, k, joints.joint, j, h)
+        k, m = kind[i, tree.FIRST], i
+        while m >= 0:
+            c, j = kind[m, tree.FIRST], kind[m, tree.JOINT]
+            acting = -1 if which <= ALL else joints.kind[j, at.IMPLICIT] | at.HAS_LIMITS
+            if which == SMOOTH:
+                acting = at.HAS_SPRING | at.HAS_DRIVE
+            law[c, tree.WHICH] = joints.kind[j, at.HAS] & acting
+            law[c, tree.X] = tables.coordinate[m, 0]
+            m = kind[m, tree.NEXT]
+        write_breaks(tables, i, joints, h)
         law[k, tree.SEGMENT] = first_segment(law, k, tables.column[k, tree.RATE])
-        take_segment(tables, k, joints, j, h)
+        take_segment(tables, i, joints, h)
         breaks += int(law[k, tree.BREAKS])
     return breaks
 
@@ -213,6 +273,5 @@ def write_laws(tables: Tables, joints: Joints, h: float, which: int) -> int:
 def take_laws(tables: Tables, joints: Joints, h: float) -> None:
     """Write what the segments of all columns add and push anew, from the present rates on."""
     for i in range(tables.kind.shape[0]):
-        j = tables.kind[i, tree.JOINT]
-        if j >= 0 and joints.kind[j, at.HAS] != 0:
-            take_segment(tables, tables.kind[i, tree.FIRST], joints, j, h)
+        if is_ruled(tables, joints, i):
+            take_segment(tables, i, joints, h)

@@ -48,10 +48,16 @@ def put_force(tables: Tables, i: int, torque: Vec, f: Vec) -> None:
 
 
 @kernel
+def has_spin(tables: Tables, i: int, gyroscopic: int) -> bool:
+    """Whether what is kept of link i is its angular momentum; its angular velocity else."""
+    return bool(gyroscopic == 1 and tables.link[i, tree.MASS] > 0.0)
+
+
+@kernel
 def kept_spin(tables: Tables, i: int, inertia: Sym, gyroscopic: int) -> Vec:
-    """The angular momentum [kg m2/s] that link i comes with; without the gyroscopic effect it is w that stays."""
+    """The angular momentum [kg m2/s] that link i comes with; without the gyroscopic effect, or mass, it is w that stays."""
     kept = load3(tables.passage, i, tree.KEPT_SPIN)
-    return kept if gyroscopic == 1 else sym_vec(inertia, kept)
+    return kept if has_spin(tables, i, gyroscopic) else sym_vec(inertia, kept)
 
 
 @kernel
@@ -60,7 +66,7 @@ def keep_momenta(tables: Tables, gyroscopic: int) -> None:
     passage = tables.passage
     for i in range(passage.shape[0]):
         w = add(load3(tables.motion, i, tree.VELOCITY), load3(passage, i, tree.BEND))
-        spin = sym_vec(load6(passage, i, tree.TURNED_INERTIA), w) if gyroscopic == 1 else w
+        spin = sym_vec(load6(passage, i, tree.TURNED_INERTIA), w) if has_spin(tables, i, gyroscopic) else w
         store3(passage, i, tree.KEPT_SPIN, spin)
         store3(passage, i, tree.KEPT_VELOCITY, add(centre_velocity(tables, i), load3(passage, i, tree.BEND + 3)))
 
@@ -70,7 +76,7 @@ def write_kept_velocities(tables: Tables, bodies: Bodies, gyroscopic: int) -> No
     """Write the velocities that the kept momenta mean to the bodies, whose poses are there already."""
     for i in range(tables.kind.shape[0]):
         b, spin = tables.kind[i, tree.ROW], load3(tables.passage, i, tree.KEPT_SPIN)
-        if gyroscopic == 1:
+        if has_spin(tables, i, gyroscopic):
             turn_inertia(bodies.state, bodies.body, bodies.turned, b)
             spin = sym_vec(load6(bodies.turned, b, 0), spin)
         store3(bodies.state, b, at.V, load3(tables.passage, i, tree.KEPT_VELOCITY))

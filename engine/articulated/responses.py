@@ -2,6 +2,7 @@
 
     inwards:   u_k = S_k . f,  f <- f - U_k u_k / D_k                  from the struck link to its root
     G_ij = sum of u_k(i) u_k(j)^T / D_k                                over the columns that both i and j hang on
+    G_ij <- G_ij - z_i z_j^T,   L z_i = C H^-1 J_i^T                   L L^T = C H^-1 C^T of the ties (`ties`)
 
 with the articulated inertia that the last solve has left: what is implicit along a column is in D, and a column whose rate is
 prescribed hands both on. Six unit impulses go together. The articulated-body algorithm factors the inverse of the inertia of
@@ -18,6 +19,7 @@ from plumbline.engine.articulated.tables import Tables
 from plumbline.engine.articulated.touched import BEGIN, BODY, END, FIRST_BLOCK, FIRST_TAKEN, LINK, NOWHERE, Touched
 from plumbline.engine.compile.jit import kernel
 from plumbline.engine.maths.rows import load3, load6
+from plumbline.engine.maths.vec import add, cross
 from plumbline.engine.memory import arena as at
 from plumbline.engine.memory.tables import Bodies
 
@@ -53,16 +55,34 @@ def take_in(tables: Tables, touched: Touched, place: int) -> None:
 
 
 @kernel
+def give_up_to_ties(tables: Tables, touched: Touched, place: int) -> None:
+    """Write what unit impulses on the link of a place leave to ties: what units of these do to it, by the factor they have."""
+    taken, low, n = touched.taken, tables.tie_factor, tables.tie.shape[0]
+    x = touched.kind[place, LINK]
+    r, row = load3(tables.motion, x, tree.PLACE), touched.kind[place, FIRST_TAKEN] + touched.depth[x]
+    for t in range(n):
+        answer = t * tables.kind.shape[0] + x
+        w = load3(tables.tie_link, answer, tree.TIE_ACCELERATION)
+        v = add(load3(tables.tie_link, answer, tree.TIE_ACCELERATION + 3), cross(w, r))
+        for c in range(3):
+            taken[row + t, c], taken[row + t, 3 + c] = v[c], w[c]
+        for c in range(6):
+            for s in range(t):
+                taken[row + t, c] -= low[n * t + s, 0] * taken[row + s, c]
+            taken[row + t, c] = 0.0 if tables.tie[t, tree.SLACK] == 1.0 else taken[row + t, c] / low[n * t + t, 0]
+
+
+@kernel
 def shared_columns(tables: Tables, touched: Touched, one: int, other: int) -> int:
     """How many columns the links of two places of a tree hang on both."""
     a, b = touched.kind[one, LINK], touched.kind[other, LINK]
     while a != b:
-        # A link comes behind its parent.
+        # Those of unlike trees end at -1, on nothing. A link comes behind its parent.
         if a > b:
             a = tables.kind[a, tree.PARENT]
         else:
             b = tables.kind[b, tree.PARENT]
-    return int(touched.depth[a])
+    return int(touched.depth[a]) if a >= 0 else 0
 
 
 @kernel
@@ -79,6 +99,12 @@ def put_block(tables: Tables, touched: Touched, place: int, other: int) -> None:
             left = taken[struck, c]
             for d in range(6):
                 block[there, 6 * c + d] += left * taken[moved, d]
+    for t in range(tables.tie.shape[0]):
+        struck = kind[place, FIRST_TAKEN] + touched.depth[kind[place, LINK]] + t
+        moved = kind[other, FIRST_TAKEN] + touched.depth[kind[other, LINK]] + t
+        for c in range(6):
+            for d in range(6):
+                block[there, 6 * c + d] -= taken[struck, c] * taken[moved, d]
     if there != back:
         for c in range(6):
             for d in range(6):
@@ -92,6 +118,7 @@ def write_responses(tables: Tables, touched: Touched) -> None:
     for k in range(kind.shape[0]):
         if kind[k, LINK] != NOWHERE:
             take_in(tables, touched, k)
+            give_up_to_ties(tables, touched, k)
     for k in range(kind.shape[0]):
         if kind[k, LINK] != NOWHERE:
             for other in range(k, kind[k, END]):

@@ -16,7 +16,7 @@ from typing import Final
 from plumbline.engine.articulated import tables as tree
 from plumbline.engine.articulated.advance import add_reactions
 from plumbline.engine.articulated.bounded import answer_laws
-from plumbline.engine.articulated.laws import next_segment, take_laws
+from plumbline.engine.articulated.laws import is_ruled, next_segment, take_laws
 from plumbline.engine.articulated.tables import Tables
 from plumbline.engine.compile.jit import kernel
 from plumbline.engine.maths.rows import Floats
@@ -39,22 +39,34 @@ def start_laws(tables: Tables) -> None:
 
 
 @kernel
+def held_with(tables: Tables, joints: Joints, i: int) -> tuple[float, float]:
+    """The force that holds the column of link i, with all that it leads, at its jump, and the inertia along all of them."""
+    column, kind, found, inertia, m = tables.column, tables.kind, 0.0, 0.0, i
+    while m >= 0:
+        k, ratio = kind[m, tree.FIRST], tables.link[m, tree.RATIO]
+        own = joints.joint[kind[m, tree.JOINT], at.ARMATURE]
+        for c in range(6):
+            own += column[k, tree.AXIS_W + c] * column[k, tree.PULL + c]
+        found, inertia = found + ratio * column[k, tree.LEFT], inertia + ratio * ratio * own
+        m = kind[m, tree.NEXT]
+    return found, inertia
+
+
+@kernel
 def are_settled(tables: Tables, joints: Joints, h: float) -> bool:
     """Whether every column is on the right segment at its present rate and, at a jump, under the force that this takes."""
     law, column, kind, fastest = tables.law, tables.column, tables.kind, 0.0
     for k in range(column.shape[0]):
         fastest = max(fastest, abs(column[k, tree.RATE]))
     for i in range(kind.shape[0]):
-        j, k = kind[i, tree.JOINT], kind[i, tree.FIRST]
-        if j < 0 or joints.kind[j, at.HAS] == 0 or law[k, tree.BREAKS] == 0.0:
+        k = kind[i, tree.FIRST]
+        if not is_ruled(tables, joints, i) or law[k, tree.BREAKS] == 0.0:
             continue
         found, open_by = column[k, tree.RATE], KNOWN * fastest
         if int(law[k, tree.SEGMENT]) % 2 == 1:
-            inertia = joints.joint[j, at.ARMATURE]
-            for c in range(6):
-                inertia += column[k, tree.AXIS_W + c] * column[k, tree.PULL + c]
-            found, open_by = column[k, tree.LEFT], open_by * inertia / h
-        if next_segment(law, k, joints.joint, j, h, found, open_by) != int(law[k, tree.SEGMENT]):
+            found, inertia = held_with(tables, joints, i)
+            open_by = open_by * inertia / h
+        if next_segment(tables, i, joints, h, found, open_by) != int(law[k, tree.SEGMENT]):
             return False
     return True
 

@@ -27,6 +27,7 @@ LINEAR_DAMPING: Final = 25
 ANGULAR_DAMPING: Final = 26
 SHARE: Final = 27  # of momentum that damping leaves over a sub-step
 SPIN_SHARE: Final = 28  # of angular momentum
+RATIO: Final = 29  # of a coordinate to that of the link that leads it; 1 where none does
 
 # Links: how they move now. Spatial vectors are angular before linear, in W, about the tree's origin.
 MOTION: Final = 1
@@ -65,14 +66,15 @@ MOMENTUM: Final = 19  # along it, of all that hangs on it
 
 # Columns: the law of what acts along one.
 LAW: Final = 5
-BREAK: Final = 0  # 6: rates at which its force jumps or bends, ascending
-JUMPS: Final = 6  # 6: 1 where it jumps
-BREAKS: Final = 12  # how many there are
-LOWEST: Final = 13  # rate; -inf where nothing bounds it
-HIGHEST: Final = 14
-SEGMENT: Final = 15  # 2 i below break i, 2 i + 1 at it
-X: Final = 16  # the coordinate
-WHICH: Final = 17  # bits of HAS that act
+BREAK: Final = 0  # 8: rates at which its force jumps or bends, ascending
+JUMPS: Final = 8  # 8: 1 where it jumps
+BREAKS: Final = 16  # how many there are
+LOWEST: Final = 17  # rate; -inf where nothing bounds it
+HIGHEST: Final = 18
+SEGMENT: Final = 19  # 2 i below break i, 2 i + 1 at it
+X: Final = 20  # the coordinate
+WHICH: Final = 21  # bits of HAS that act
+HELD: Final = 22  # rate that a jump fixes
 
 # Stages of Runge-Kutta: at the start, and the weighted sum of slopes; seven numbers each a link, one a column. The other
 # integrators keep there what they hand on from one sub-step to the next.
@@ -103,6 +105,20 @@ KEPT_STRIDE: Final = 34  # step of Dormand-Prince, in the first row
 WHOLE_MOMENTUM: Final = 0  # 6
 WHOLE_FORCE: Final = 6  # 6
 
+# Ties: what a unit of a tie's force does to each link, and to each column; a row of each table more is room to work in.
+TIE_LINK: Final = 9
+TIE_ACCELERATION: Final = 0  # 6
+TIE_FORCE: Final = 6  # 6
+TIE_COLUMN: Final = 10
+TIE_LEFT: Final = 0
+TIE_CHANGE: Final = 1
+
+# Ties: the factor of what they do to each other, a row for each pair, and their forces.
+TIE_FACTOR: Final = 11
+TIE: Final = 12
+PULLED: Final = 0  # force along the coordinate that follows
+SLACK: Final = 1  # 1 where neither column can be moved
+
 # Integers.
 KIND: Final = 0
 PARENT: Final = 0  # link, or -1 for the root of a tree
@@ -113,20 +129,25 @@ FIRST: Final = 4  # column
 COLUMNS: Final = 5
 BASE: Final = 6  # body that a root hangs on, the world's row included
 ROOT: Final = 7  # link
+LEADER: Final = 8  # link whose coordinate this one's follows; itself where none does
+NEXT: Final = 9  # link that is led by the same, behind this one; -1 at the end
+CLUSTER: Final = 10  # first link of the trees that ties hold together, and of those between them
 
 OTHER: Final = 1  # bodies that no tree has and that are not static
 
 CLOSING: Final = 2  # joints that close loops
 
+FOLLOWER: Final = 3  # links that others lead, one for each tie
+
 FREE: Final = 9
 
-FLOAT_COLUMNS: Final = np.array([29, 43, 28, 8, 20, 18, 14, 3, 35])
-INT_COLUMNS: Final = np.array([8, 1, 1])
-FLOAT_TABLES: Final = 9
+FLOAT_COLUMNS: Final = np.array([30, 43, 28, 8, 20, 23, 14, 3, 35, 12, 2, 1, 2])
+INT_COLUMNS: Final = np.array([11, 1, 1, 1])
+FLOAT_TABLES: Final = 13
 
 
 class Tables(NamedTuple):
-    """What is known of trees: of links what stays, moves, weighs and stands; columns, laws, stages, sub-steps; kin, loops."""
+    """What is known of trees: of links what stays, moves, weighs; where they stand; columns, laws, stages; ties; loops."""
 
     link: Floats
     motion: Floats
@@ -137,9 +158,14 @@ class Tables(NamedTuple):
     stage: Floats
     stage_rate: Floats
     passage: Floats
+    tie_link: Floats
+    tie_column: Floats
+    tie_factor: Floats
+    tie: Floats
     kind: Ints
     other: Ints
     closing: Ints
+    follower: Ints
 
 
 def float_view(floats: Floats, ints: Ints, k: int) -> Floats:
@@ -185,7 +211,12 @@ def tables_of(floats: Floats, ints: Ints) -> Tables:
         floats_at(floats, ints, STAGE),
         floats_at(floats, ints, STAGE_RATE),
         floats_at(floats, ints, PASSAGE),
+        floats_at(floats, ints, TIE_LINK),
+        floats_at(floats, ints, TIE_COLUMN),
+        floats_at(floats, ints, TIE_FACTOR),
+        floats_at(floats, ints, TIE),
         ints_at(ints, KIND),
         ints_at(ints, OTHER),
         ints_at(ints, CLOSING),
+        ints_at(ints, FOLLOWER),
     )

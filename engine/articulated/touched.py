@@ -1,6 +1,7 @@
 """What contacts move: the links and free bodies that they touch, what an impulse on one does to the others, and room for that.
 
-Each of them has a place, those of one tree side by side, a free body by itself. Impulses are six numbers, force [N s] and
+Each of them has a place, those of one tree side by side, a free body by itself; trees that ties hold together, and what is
+between them, count as one. Impulses are six numbers, force [N s] and
 moment [N m s] about the centre of mass, in W; what they change are v_WB and w_WB.
 
     (v, w)_i <- (v, w)_i + G_ij (f, t)_j        for every place i of the tree of j
@@ -29,7 +30,7 @@ LINK: Final = 1  # NOWHERE for a body of no tree
 BEGIN: Final = 2  # first place of its tree
 END: Final = 3  # behind its last
 FIRST_BLOCK: Final = 4  # of its blocks of G, one for each place of its tree
-FIRST_TAKEN: Final = 5  # of its rows of `taken`, one for each column from the root to its link, that of the root first
+FIRST_TAKEN: Final = 5  # of its rows of `taken`: for each column from the root on to its link, then for each tie
 
 NOWHERE: Final = -1
 
@@ -40,7 +41,8 @@ class Touched(NamedTuple):
     Terms: place: of each body, NOWHERE for one that no contact moves; kind: of each place; block: G, 36 numbers for two places,
     motion by force, the six motions of a force together; given: impulse on each place since it was last set to zero; depth: of
     each link, columns from the root to it, its own with them; taken: what unit impulses on a place leave along each of these,
-    over the root of the inertia along it; force: room for six forces on a link, moment first, those of a number together.
+    over the root of the inertia along it, and to each tie; force: room for six forces on a link, moment first, those of a
+    number together.
     """
 
     place: Ints
@@ -67,11 +69,11 @@ def find_touched(tables: Tables, bodies: Bodies) -> Touched:
         depth[i] = tables.kind[i, tree.COLUMNS] + (depth[parent] if parent >= 0 else 0)
         if bodies.kind[b, at.TOUCHED] == 0:
             continue
-        if tables.kind[i, tree.ROOT] != root:
-            root, begin = tables.kind[i, tree.ROOT], slot
+        if tables.kind[i, tree.CLUSTER] != root:
+            root, begin = tables.kind[i, tree.CLUSTER], slot
         place[b] = slot
         kind[slot, BODY], kind[slot, LINK], kind[slot, BEGIN], kind[slot, FIRST_TAKEN] = b, i, begin, rows
-        rows += depth[i]
+        rows += depth[i] + tables.tie.shape[0]
         slot += 1
         for k in range(begin, slot):
             kind[k, END] = slot

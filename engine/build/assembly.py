@@ -276,7 +276,7 @@ def _write_bodies(floats: Floats, ints: Ints, bodies: Sequence[Body]) -> None:
         state[i, at.P : at.P + 3], state[i, at.Q : at.Q + 4] = body.p_WB, q
         state[i, at.V : at.V + 3], state[i, at.W : at.W + 3] = body.v_WB, body.w_WB
         kind[i, at.MOTION] = MOTIONS[body.motion]
-        if body.motion != "dynamic":
+        if body.motion != "dynamic" or body.massless:
             continue
         inertia = spd_inertia(label, body.inertia)
         mobility = inverse(inertia)

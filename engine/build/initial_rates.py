@@ -1,12 +1,12 @@
-"""Whether bodies start with velocities that their joints allow."""
+"""Whether bodies start with velocities that their joints and couplings allow."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
 from plumbline.engine.describe.bodies import Body
 from plumbline.engine.describe.errors import NotSupported
-from plumbline.engine.describe.joints import Ball, Distance, Fixed, Joint, Revolute
+from plumbline.engine.describe.joints import Ball, Distance, Fixed, Joint, Prismatic, Revolute
 from plumbline.engine.maths.arrays import dot, norm, unit
 from plumbline.engine.maths.types import Floats
 
@@ -37,6 +37,31 @@ def check_initial_rates(bodies: Sequence[Body], joints: Sequence[Joint]) -> None
                     f"the initial velocities of '{joint.parent}' and '{joint.child}' break it by {rate:.3g} {measure}, "
                     "expected velocities that the joint allows",
                 )
+    _check_coupled_rates(known, joints)
+
+
+def _check_coupled_rates(known: Mapping[str, Body], joints: Sequence[Joint]) -> None:
+    """Raises: NotSupported naming the first coupling that the initial velocities break, and by how much."""
+    scalar = {joint.name: joint for joint in joints if isinstance(joint, Revolute | Prismatic)}
+    for joint in scalar.values():
+        if joint.coupling is None:
+            continue
+        (rate, speed), (other, other_speed) = (_rate(known, one) for one in (joint, scalar[joint.coupling.joint]))
+        ratio = joint.coupling.ratio
+        if abs(rate - ratio * other) > AGREES * (speed + abs(ratio) * other_speed):
+            raise NotSupported(
+                f"joint '{joint.name}'",
+                f"its initial rate is {rate:.3g}, expected {ratio * other:.3g} by its coupling to '{joint.coupling.joint}'",
+            )
+
+
+def _rate(known: Mapping[str, Body], joint: Revolute | Prismatic) -> tuple[float, float]:
+    """The initial rate of a joint's coordinate [rad/s or m/s], and the sum of the speeds that make it."""
+    axis, anchor = unit(np.asarray(joint.axis_W, float)), np.asarray(joint.anchor_W, float)
+    (v_a, w_a, fast_a), (v_b, w_b, fast_b) = (_motion(known.get(name), anchor) for name in (joint.parent, joint.child))
+    if isinstance(joint, Revolute):
+        return float(dot(axis, w_b - w_a)), float(norm(w_a) + norm(w_b))
+    return float(dot(axis, v_b - v_a)), fast_a + fast_b
 
 
 def _motion(body: Body | None, anchor: Floats) -> tuple[Floats, Floats, float]:

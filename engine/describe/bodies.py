@@ -24,10 +24,11 @@ class Body:
     """A rigid body.
 
     Terms:
-        mass [kg]; inertia (3, 3) kg m2 in B about the centre of mass; shapes: what touches; visual: what is drawn and seen by
-        rays that ask for it, the same if None; optics: what light does at its surface; p_WB [m], q_WB (w, x, y, z), v_WB [m/s]
-        of the centre of mass, w_WB [rad/s] in W; linear_damping and angular_damping: rates c [1/s] in v' = -c v and w' = -c w;
-        motion: 'static' never moves, 'kinematic' keeps its velocities whatever touches it.
+        mass [kg]; inertia (3, 3) kg m2 in B about the centre of mass, both zero of a body between two joints of a tree; shapes:
+        what touches; visual: what is drawn and seen by rays that ask for it, the same if None; optics: what light does at its
+        surface; p_WB [m], q_WB (w, x, y, z), v_WB [m/s] of the centre of mass, w_WB [rad/s] in W; linear_damping and
+        angular_damping: rates c [1/s] in v' = -c v and w' = -c w; motion: 'static' never moves, 'kinematic' keeps its
+        velocities whatever touches it.
     """
 
     name: str = "body"
@@ -57,8 +58,12 @@ class Body:
         if self.motion not in ("dynamic", "static", "kinematic"):
             raise ValueError(f"{label}: motion '{self.motion}', expected dynamic, static or kinematic")
         if self.motion == "dynamic":
-            positive(label, "mass", self.mass, "kg")
-            spd_inertia(label, self.inertia)
+            if self.massless:
+                if self.shapes or self.linear_damping or self.angular_damping:
+                    raise ValueError(f"{label}: mass 0 kg and shapes or damping, expected neither")
+            else:
+                positive(label, "mass", self.mass, "kg")
+                spd_inertia(label, self.inertia)
         finite(label, "p_WB", self.p_WB, (3,), "m")
         unit_quaternion(label, "q_WB", self.q_WB)
         finite(label, "v_WB", self.v_WB, (3,), "m/s")
@@ -67,6 +72,11 @@ class Body:
             raise ValueError(f"{label}: static, but v_WB {tuple(self.v_WB)} m/s or w_WB {tuple(self.w_WB)} rad/s is not zero")
         not_negative(label, "linear_damping", self.linear_damping, "1/s")
         not_negative(label, "angular_damping", self.angular_damping, "1/s")
+
+    @property
+    def massless(self) -> bool:
+        """Has it neither mass nor inertia, so that it stands between two joints alone?"""
+        return self.motion == "dynamic" and self.mass == 0 and not np.any(np.asarray(self.inertia, float))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

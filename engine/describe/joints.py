@@ -58,6 +58,20 @@ class Drive:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Coupling:
+    """x = ratio y + offset at all times, of the coordinate y of another joint with one."""
+
+    joint: str
+    ratio: float
+    offset: float = 0.0
+
+    def __post_init__(self) -> None:
+        finite(f"coupling to '{self.joint}'", "offset", self.offset, (), "rad or m")
+        if finite(f"coupling to '{self.joint}'", "ratio", self.ratio, (), "1") == 0:
+            raise ValueError(f"coupling to '{self.joint}': ratio {self.ratio}, expected another than 0")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Fixed:
     """No relative motion."""
 
@@ -86,7 +100,7 @@ class Revolute:
     """Rotation about an axis alone; `position` [rad] is the coordinate in the initial pose.
 
     Terms: armature [kg m2]: of a rotor that turns with the coordinate. friction_loss [N m]: bound of a dry friction along it.
-    speed_limit [rad/s]: the most that the coordinate's rate may be, either way.
+    speed_limit [rad/s]: the most that the coordinate's rate may be, either way. coupling: to another joint's coordinate.
     """
 
     name: str
@@ -101,6 +115,7 @@ class Revolute:
     armature: float = 0.0
     friction_loss: float = 0.0
     speed_limit: float = math.inf
+    coupling: Coupling | None = None
     collide: bool = False
 
     def __post_init__(self) -> None:
@@ -111,7 +126,7 @@ class Revolute:
 class Prismatic:
     """Translation along an axis of the parent alone; `position` [m] is the coordinate in the initial pose.
 
-    Terms: armature [kg], friction_loss [N], speed_limit [m/s]: as of `Revolute`.
+    Terms: armature [kg], friction_loss [N], speed_limit [m/s], coupling: as of `Revolute`.
     """
 
     name: str
@@ -126,6 +141,7 @@ class Prismatic:
     armature: float = 0.0
     friction_loss: float = 0.0
     speed_limit: float = math.inf
+    coupling: Coupling | None = None
     collide: bool = False
 
     def __post_init__(self) -> None:

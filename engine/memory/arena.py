@@ -150,6 +150,7 @@ HAS_DRIVE: Final = 4
 HAS_ARMATURE: Final = 8
 HAS_FRICTION: Final = 16
 HAS_SPEED_LIMIT: Final = 32
+HAS_TIED: Final = 64  # its coordinate, or one that it is tied to, has any of these
 
 ROW: Final = float_columns(Per.ROW_OR_TRIAL, 18)  # one scalar constraint J v = ... between two bodies
 JACOBIAN: Final = 0  # 12: linear and angular part of A, then of B

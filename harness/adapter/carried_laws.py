@@ -17,6 +17,13 @@ def followed(scene: Scene) -> frozenset[str]:
     return frozenset(coupling.joint for coupling in couplings if coupling is not None)
 
 
+def refuse_tendons(scene: Scene) -> None:
+    """For engines without tendons. Raises: Unsupported, where the scene has one."""
+    for tendon in scene.tendons or ():
+        joints = ", ".join(f"'{arm.joint}'" for arm in tendon.arms)
+        raise Unsupported(f"tendon '{tendon.name}' of {joints}", "the adapter makes no force along several coordinates")
+
+
 def refuse_armature(joint: Joint, why: str) -> None:
     """For engines without inertia along coordinates. Raises: Unsupported, where the joint has a rotor."""
     if "armature" in carried(joint):

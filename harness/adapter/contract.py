@@ -88,6 +88,8 @@ class Feature(Flag):
     """Kinematic bodies whose velocities are told anew before each step."""
     MASS_POINT = auto()
     """Bodies without inertia, which nothing turns or which are fixed to others."""
+    MASSLESS = auto()
+    """Bodies without mass between joints: several joints, one after the other, that move one body."""
     FIXED = auto()
     BALL = auto()
     REVOLUTE = auto()
@@ -109,6 +111,8 @@ class Feature(Flag):
     """Joint coordinates tied to each other linearly."""
     FEEDFORWARD = auto()
     """A constant torque or force in a drive's law, and so motors."""
+    TENDON = auto()
+    """Springs, drives and limits along linear combinations of joint coordinates."""
     PAIR_FRICTION = auto()
     """Friction per pair of materials, whatever the pairs."""
     STATIC_FRICTION = auto()

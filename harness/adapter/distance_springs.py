@@ -70,9 +70,9 @@ class DistanceSprings:
             ends=ends,
             anchors=rotate_back(q[ends], points - p[ends]),
             law=law,
-            lightness=np.array([1.0 / b.mass if b.movable else 0.0 for b in bodies] + [0.0]),
+            lightness=np.array([1.0 / b.mass if b.movable and b.mass else 0.0 for b in bodies] + [0.0]),
             turning=np.array(
-                [np.linalg.inv(b.inertia) if b.movable else np.zeros((3, 3)) for b in bodies] + [np.zeros((3, 3))]
+                [np.linalg.inv(b.inertia) if b.movable and b.mass else np.zeros((3, 3)) for b in bodies] + [np.zeros((3, 3))]
             ),
             gravity=np.asarray(scene.gravity) * float(Effect.GRAVITY in scene.effects),
             h=h,

@@ -47,6 +47,8 @@ def _of_bodies(scene: Scene, effects: Effect) -> Iterator[Feature]:
             yield Feature.KINEMATIC | Feature.PRESCRIBED_MOTION
         if body.mass_point:
             yield Feature.MASS_POINT
+        if body.massless:
+            yield Feature.MASSLESS
         if len(body.collision) > 1:
             yield Feature.COMPOUND
         if Effect.CONTACT in effects:
@@ -57,6 +59,8 @@ def _of_bodies(scene: Scene, effects: Effect) -> Iterator[Feature]:
 
 def _of_joints(scene: Scene, effects: Effect) -> Iterator[Feature]:
     joints = scene.joints if Effect.JOINTS in effects else ()
+    if joints and scene.tendons:
+        yield Feature.TENDON
     for joint in joints:
         if is_distance_spring(joint):
             yield Feature.DISTANCE_SPRING

@@ -30,13 +30,18 @@ def kinds_left_out(scene: Scene, undropped: Scene) -> tuple[str, ...]:
     had = {joint.name: joint for joint in undropped.joints}
     pairs = [(joint, had[joint.name]) for joint in scene.joints if joint.name in had]
     contacts = ("self_collision",) if _touching(scene) != _touching(undropped) else ()
-    return contacts + tuple(
-        kind
-        for field, kind in KINDS.items()
-        if any(
-            getattr(here, field) != getattr(there, field)
-            for here, there in pairs
-            if isinstance(here, Revolute | Prismatic) and isinstance(there, Revolute | Prismatic)
+    tendons = ("tendon",) if scene.tendons != undropped.tendons else ()
+    return (
+        contacts
+        + tendons
+        + tuple(
+            kind
+            for field, kind in KINDS.items()
+            if any(
+                getattr(here, field) != getattr(there, field)
+                for here, there in pairs
+                if isinstance(here, Revolute | Prismatic) and isinstance(there, Revolute | Prismatic)
+            )
         )
     )
 

@@ -12,7 +12,7 @@ from plumbline.harness.cli.listing import print_json, print_table
 
 if TYPE_CHECKING:
     from plumbline.harness.findings.vendor.finding import Finding
-    from plumbline.harness.findings.vendor.still_there import Standing
+    from plumbline.harness.findings.vendor.still_there import ScriptAnswer
 
 
 @click.command()
@@ -41,8 +41,7 @@ def findings(
     asked: str | None, run: bool, issue: bool, report: str | None, out: Path, as_json: bool, python: Path | None
 ) -> None:
     """Known bugs and pitfalls of ENGINE, as scripts in the vendor's own API."""
-    from plumbline.harness.findings.vendor.finding import FindingError
-    from plumbline.harness.findings.vendor.shelf import chosen, shelf
+    from plumbline.harness.findings.vendor.finding import FindingError, chosen, shelf
 
     try:
         every = shelf()
@@ -104,7 +103,7 @@ def _write_report(those: "list[Finding]", out: Path, python: Path | None) -> Non
 def _print_standings(those: "list[Finding]", as_json: bool, python: Path | None) -> None:
     from plumbline.harness.findings.vendor.still_there import ask_all
 
-    standings: list[Standing] = []
+    standings: list[ScriptAnswer] = []
     for standing in ask_all(those, str(python or sys.executable)):
         standings.append(standing)
         mended = standing.mended.verdict if standing.mended else "not asked"
@@ -120,7 +119,7 @@ def _print_standings(those: "list[Finding]", as_json: bool, python: Path | None)
         sys.exit(GATE)
 
 
-def _answer(standing: "Standing") -> dict[str, object]:
+def _answer(standing: "ScriptAnswer") -> dict[str, object]:
     mended = standing.mended
     assert mended is not None
     return {
@@ -134,7 +133,7 @@ def _answer(standing: "Standing") -> dict[str, object]:
     }
 
 
-def _cells(standing: "Standing") -> list[str]:
+def _cells(standing: "ScriptAnswer") -> list[str]:
     answer = _answer(standing)
     price = "" if answer["price"] is None else f"{answer['price']:g} of a {answer['price_unit']}"
     mended = answer["mended"] if answer["mended"] == "gone" else f"{answer['mended']}: {answer['mended_figure']}"

@@ -25,7 +25,7 @@ def failures(store: "Store") -> list[str]:
         f"{row.status}: {row.reason}"
         for row in broken.itertuples()
     ]
-    sentences += [f"determinism: {sentence}" for sentence in determinism.broken(determinism.agreements(store), ours)]
+    sentences += [f"determinism: {sentence}" for sentence in determinism.broken(determinism.repetitions(store), ours)]
     # Another engine that stands in for the judge may see worse than it: its word is in the table, and gates nothing.
     judged = audit([row for row in TABLE.rows(store) if row["engine"] == JUDGE])
     sentences += [f"audit: {sentence}" for sentence in judged.sentences()]

@@ -138,7 +138,7 @@ def _night(
     Returns: does its gate fail, or was a page of the report not made? summary.md; what is left of its budget [s], when called.
     """
     from plumbline.harness.findings.summary import write_summary
-    from plumbline.harness.findings.vendor.shelf import shelf
+    from plumbline.harness.findings.vendor.finding import shelf
     from plumbline.harness.history.gate import reasons
     from plumbline.harness.history.known_findings import asked_again, turned
     from plumbline.harness.history.night import accounted, carry_out_night, close, compared, night_to_do

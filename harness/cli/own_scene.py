@@ -37,7 +37,7 @@ def _first_look(folder: Path, records: "Sequence[Record]", budget: float) -> Non
     own."""
     from tempfile import TemporaryDirectory
 
-    from plumbline.harness.findings.agreement import agreements
+    from plumbline.harness.findings.agreement.found import agreements
     from plumbline.harness.findings.agreement.so_far import COLUMNS, rows_so_far, words_so_far
     from plumbline.harness.run.progress import elapsed, since_begun
     from plumbline.harness.store.store import Store
@@ -70,9 +70,9 @@ def closing_count(store: "Store") -> str:
 
 def closing_words(store: "Store") -> list[str]:
     """The sentences: the verdicts on all engines, what a per cent of error costs, then what of the scene's effects it needs."""
-    from plumbline.harness.findings.agreement import agreements
     from plumbline.harness.findings.agreement.costs import best_setting, cost_words
-    from plumbline.harness.findings.recorded_robot import joint_errors, recorded_words
+    from plumbline.harness.findings.agreement.found import agreements
+    from plumbline.harness.findings.tables.recorded import joint_errors, recorded_words
 
     verdicts, effects = (table.sentences(table.rows(store)) for table in map(tables.table, ("agreement", "effects")))
     best = [f"Set: {words}" for agreement in agreements(store) if (words := best_setting(store, agreement))]

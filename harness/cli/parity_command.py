@@ -8,7 +8,8 @@ import click
 from plumbline.harness.cli.guard import GATE, say
 from plumbline.harness.cli.listing import print_json, print_table
 from plumbline.harness.cli.options import json_rows, limited
-from plumbline.harness.intake.import_wishes import DROPPABLE, Wishes, package_roots
+from plumbline.harness.cli.robot_options import drop_option
+from plumbline.harness.intake.import_wishes import Wishes, package_roots
 
 if TYPE_CHECKING:
     from plumbline.harness.run.importer_audit import Reading
@@ -26,9 +27,7 @@ _robot_file = click.Path(path_type=Path, dir_okay=False)
 @click.option("--map", "names", type=_robot_file, help='TOML: [joints] with a line "name in FILE" = "name in OTHER" for each.')
 @click.option("--tolerance", type=click.FloatRange(min=0, min_open=True), help="Relative; 1e-5, what decimals of files hold.")
 @click.option("--seed", type=click.IntRange(min=0), default=0, help="Of the ten states at which torques are compared.")
-@click.option(
-    "--drop", "drop", multiple=True, type=click.Choice(sorted(DROPPABLE)), help="Leave this kind of elements out of both."
-)
+@drop_option("Leave out of both")
 @click.option("--root", type=click.Choice(["fixed", "floating"]), help="How a root is held of which its file says nothing.")
 @click.option("--package", "packages", multiple=True, metavar="NAME=DIR", help="Where package://NAME lies; may be repeated.")
 @click.option("--move", metavar="drop|sines|CSV", help="Move FILE and OTHER by the same torques: when and where do they part?")

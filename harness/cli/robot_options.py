@@ -11,16 +11,36 @@ import click
 from plumbline.harness.cli.guard import say
 from plumbline.harness.cli.seconds import Seconds
 from plumbline.harness.intake.documents import document
-from plumbline.harness.intake.import_wishes import DROPPABLE, SCENARIOS, STARTS, Wishes, package_roots
+from plumbline.harness.intake.import_wishes import DROPPABLE, SCENARIOS, STARTS, Omissions, Wishes, package_roots
+from plumbline.harness.intake.refusal import RobotError
 from plumbline.harness.intake.safe_text import quoted
 
 if TYPE_CHECKING:
     from plumbline.harness.scene.importers.imported import Imported
 
+
+class Omission(click.ParamType[str]):
+    """A kind of elements, or those of the joints whose names a pattern meets: armature@root*."""
+
+    name = "omission"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
+        """The text, once it is known to be one. Raises: click.BadParameter."""
+        try:
+            Omissions.of((str(value),))
+        except RobotError as error:
+            self.fail(str(error), param, ctx)
+        return str(value)
+
+
+def drop_option(does: str) -> Callable[[Any], Any]:
+    """The option `--drop`. Args: does: what it does, to which the kinds are added."""
+    kinds = f"{does}: {', '.join(sorted(DROPPABLE))}; KIND@PATTERN of joints alone whose names meet it, like armature@root*."
+    return click.option("--drop", "drop", multiple=True, metavar="KIND[@PATTERN]", type=Omission(), help=kinds)
+
+
 _OPTIONS = (
-    click.option(
-        "--drop", "drop", multiple=True, type=click.Choice(sorted(DROPPABLE)), help="Leave out what a scene has no word for."
-    ),
+    drop_option("Leave out what a scene or an engine has no word for"),
     click.option(
         "--package", "packages", multiple=True, metavar="NAME=DIR", help="Where package://NAME lies; may be repeated."
     ),

@@ -172,7 +172,7 @@ def reproduce(folder: Path, trial: str) -> None:
     """Run TRIAL of DIR again and say whether the answer is bit-identical."""
     from tempfile import TemporaryDirectory
 
-    from plumbline.harness.findings.likeness import AS_GOOD, likeness
+    from plumbline.harness.findings.changes.answers import AS_GOOD, likeness
     from plumbline.harness.run.isolated import run_isolated
     from plumbline.harness.store.machine_fingerprint import fingerprint
     from plumbline.harness.study import plugins

@@ -57,7 +57,8 @@ def _weights(_context: click.Context, _parameter: click.Parameter, given: tuple[
 @click.option(
     "--max-error",
     type=click.FloatRange(0, 1, min_open=True),
-    help="The error to be reached, a share of each case's scale [0.01]. Engines that do not reach it are excluded.",
+    help="The error to be reached, a share of each case's scale [0.01, or the preset's]. Engines that do not reach it are "
+    "excluded.",
 )
 @click.option(
     "--realtime",
@@ -165,6 +166,7 @@ def _known(store: "Store", need: tuple[str, ...]) -> tuple[str, ...]:
 
 def _print(store: "Store", answer: "Answer", preset: str) -> None:
     from plumbline.harness.findings.selection.words import (
+        COLUMN_WORDS,
         decisive,
         dropped_sentence,
         error_percent,
@@ -183,6 +185,8 @@ def _print(store: "Store", answer: "Answer", preset: str) -> None:
     say(headline(answer, called))
     if traded := trade(answer, called):
         say(traded)
+    for sentence in turn_sentences(answer.turns, called, called):
+        say(sentence)
     sentence, command = decisive(answer, called, called)
     if sentence:
         say(sentence)
@@ -190,32 +194,30 @@ def _print(store: "Store", answer: "Answer", preset: str) -> None:
         say(f"  {command}")
     if answer.rank is not None:
         counted, evidence = answer.rank.counted, answer.evidence
-        columns = ["place", "engine", "settings", "first in", "speed", "error", "score"]
+        columns = ["place", "engine", "settings", "first in", "passes", "speed", "error", "score"]
         columns += [f"{name} ({counted[name]})" for name in counted]
         rows = []
         for entry in answer.rank.places:
             shares = [f"{entry.by_criterion[name]:.2f}" for name in counted]
-            speed, error = (evidence.typical(name, entry.engine) for name in ("speed", "accuracy"))
+            speed, error = evidence.speed(entry.engine), evidence.error(entry.engine)
+            passed, judged = evidence.passed(entry.engine)
             score = f"{entry.score:.2f} ({entry.low:.2f} .. {entry.high:.2f})"
             figures = [
+                f"{passed}/{judged}" if judged else "-",
                 "-" if speed is None else f"{float(f'{speed:.2g}'):g}x",
                 "-" if error is None else error_percent(error),
             ]
             first = "-" if answer.alone else percent(entry.first)
             track = evidence.tracks[entry.engine]
             rows.append([entry.number, called(entry.engine), track, first, *figures, score, *shares])
-        purpose = f"preset {preset}; " if preset else ""
-        print_table(
-            f"{purpose}speed (times real time) and error of the typical case; scores 0 to 1, in brackets the cases that count",
-            columns,
-            rows,
-        )
+        heading = f"{100 * answer.wish.max_error:g} % error asked for{f' by preset {preset}' if preset else ''}"
+        print_table(f"{heading}; scores 0 to 1, in brackets the cases that count", columns, rows)
+        for sentence in COLUMN_WORDS:
+            say(sentence)
     for drop in answer.dropped:
         say(dropped_sentence(drop, called, called))
     for drop in answer.undecided:
         say(undecided_sentence(drop, called, called))
-    for sentence in turn_sentences(answer.turns, called, called):
-        say(sentence)
     _print_gaps(answer)
 
 

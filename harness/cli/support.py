@@ -34,8 +34,9 @@ def support_lines(cases: "Mapping[str, Case]", adapters: "Mapping[str, Adapter]"
                 counts[word] = counts.get(word, 0) + 1
         ranked = sorted(counts.items(), key=lambda pair: (-pair[1], pair[0]))
         if len(cases) == 1:
-            drops = " ".join(f"--drop {KINDS[word]}" for word in counts if word in KINDS)
-            without = f"; it runs with {drops}" if droppable and counts.keys() <= KINDS.keys() else ""
+            kinds = {**KINDS, "tendon": "tendon"}
+            drops = " ".join(f"--drop {kinds[word]}" for word in counts if word in kinds)
+            without = f"; it runs with {drops}" if droppable and counts.keys() <= kinds.keys() else ""
             lines.append(f"{name} {version}: " + ("runs" if runs else f"cannot: it lacks {', '.join(counts)}{without}"))
         else:
             without = ", ".join(f"{word} ({count})" for word, count in ranked)

@@ -5,7 +5,7 @@ import os
 from multiprocessing.connection import Connection
 from typing import Literal
 
-from plumbline.harness.adapter import Adapter
+from plumbline.harness.adapter import Adapter, Feature
 from plumbline.harness.conformance.apart import LONGEST
 from plumbline.harness.conformance.catalogue import CHECKS
 from plumbline.harness.conformance.check import ConformanceCheck
@@ -16,12 +16,26 @@ from plumbline.harness.run.fork_servers import WORTH_A_SERVER, expect, loaded, s
 from plumbline.harness.run.message import BrokenMessage, Inbox, read_value, send
 from plumbline.harness.study import plugins
 
+_REFUSED: dict[tuple[str, str, Feature], Outcome] = {}
+"""By engine, track and the features that it lacks: an outcome that said it refuses them, as it should."""
 _LISTENS = 1.0
 """Seconds between looks at its deadline."""
 
 
 def outcome_of(adapter: Adapter, track: Literal["default", "tuned"], check: ConformanceCheck) -> Outcome:
-    """What the check found, or that its process ended without a word, in how many seconds of CPU time it may."""
+    """What the check found, or that its process ended without a word, in how many seconds of CPU time it may.
+
+    An engine that lacks what a check needs is asked once whether it refuses that, and not once for each such check."""
+    lacks = adapter.name, track, check.needs & ~adapter.features
+    if lacks in _REFUSED and f"{track}/{check.name}" not in adapter.known_failures:
+        return dataclasses.replace(_REFUSED[lacks], check=check.name, question=check.question)
+    outcome = _asked(adapter, track, check)
+    if lacks[2] and outcome.status == "not_applicable":
+        _REFUSED[lacks] = outcome
+    return outcome
+
+
+def _asked(adapter: Adapter, track: Literal["default", "tuned"], check: ConformanceCheck) -> Outcome:
     expect([__name__])
     process = start(loaded(adapter.loads, WORTH_A_SERVER), _put, adapter.name, track, check.name)
     inbox, deadline = Inbox(process.pipe), Deadline(process.pid, LONGEST + adapter.compile_allowance)

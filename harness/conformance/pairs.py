@@ -186,6 +186,17 @@ def _prescribed(plan: Plan) -> Plan:
     return _body(plan, "parent", motion="kinematic", prescribed=law, v_WB=(0.0, 0.0, 0.0), w_WB=(0.0, 0.0, 0.0))
 
 
+def _second_joint(plan: Plan) -> Plan:
+    """A slide before the last joint of one coordinate, with nothing that has mass between the two."""
+    last = max(k for k, joint in enumerate(plan.joints) if isinstance(joint, Revolute | Prismatic))
+    joint = plan.joints[last]
+    assert isinstance(joint, Revolute | Prismatic)
+    between = Body.between("between", (0.3, -0.2, 0.4))
+    slide = Prismatic(name="rail", parent=joint.parent, child="between", anchor_W=(0.1, 0.0, 0.3), axis_W=(0.8, 0.0, -0.6))
+    joints = (*plan.joints[:last], slide, replace(joint, parent="between"), *plan.joints[last + 1 :])
+    return replace(plan, bodies=plan.bodies | {"between": between}, joints=joints)
+
+
 NOUNS = (
     Noun("wrench", Feature.WRENCH, lambda plan: replace(plan, wrenches=True)),
     Noun("hinge", Feature.REVOLUTE, joint="hinge"),
@@ -202,6 +213,7 @@ NOUNS = (
         coordinate=True,
     ),
     Noun("start pose", Feature.NONE, _start_pose, coordinate=True),
+    Noun("second joint of a body", Feature.MASSLESS | Feature.PRISMATIC, _second_joint, coordinate=True),
     Noun("parent turned", Feature.NONE, lambda plan: _body(plan, "parent", q_WB=TURNED), moved=True),
     Noun("child turned", Feature.NONE, lambda plan: _body(plan, "child", q_WB=_ASKEW)),
     Noun("offset mass frame", Feature.FULL_INERTIA | Feature.BOX, _offset),

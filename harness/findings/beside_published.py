@@ -11,27 +11,17 @@ from plumbline.harness.findings.changes.matching import LOST, scene_of
 from plumbline.harness.store.rows import records
 from plumbline.harness.store.store import Store
 
+_Pair = tuple[Mapping[str, Any], Mapping[str, Any]]
 _SAME = ("parameters", "engine", "track", "dt", "seed", "clocks", "workers")
 """Columns that two trials of one case share if they ask the same, whatever study asks."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Difference:
-    """A trial whose verdict is another than the published one. Terms: published, current: statuses. trial: of this run."""
-
-    case: str
-    track: str
-    dt: float
-    published: str
-    current: str
-    trial: str
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Beside:
+class BesidePublished:
     """An engine in both.
 
-    Terms: version, version_here: '' where it was not run. same: trials that both answered. differences: of their verdicts.
+    Terms: version, version_here: '' where it was not run. same: trials that both answered. differences: rows of those whose
+    verdicts differ, then and now.
     slower: the median over these trials of CPU time here over that published, over the median of all engines: 1 if the engine
     costs here what it cost there beside the others; None without a price on both sides.
     """
@@ -40,11 +30,11 @@ class Beside:
     version: str
     version_here: str
     same: int
-    differences: tuple[Difference, ...]
+    differences: tuple[_Pair, ...]
     slower: float | None
 
 
-def beside_published(published: Store, store: Store) -> Mapping[str, Beside]:
+def beside_published(published: Store, store: Store) -> Mapping[str, BesidePublished]:
     """By engine, in the order of the dataset."""
     pairs = list(_pairs(published, store))
     ratios: dict[str, list[float]] = {}
@@ -56,23 +46,12 @@ def beside_published(published: Store, store: Store) -> Mapping[str, Beside]:
     besides = {}
     for engine in dict.fromkeys([*versions, *current]):
         mine = [(then, now) for then, now in pairs if now["engine"] == engine]
-        differing = [(then, now) for then, now in mine if then["status"] != now["status"]]
-        besides[engine] = Beside(
+        besides[engine] = BesidePublished(
             engine=engine,
             version=versions.get(engine, ""),
             version_here=current.get(engine, ""),
             same=len(mine),
-            differences=tuple(
-                Difference(
-                    case=now["case"],
-                    track=now["track"],
-                    dt=float(now["dt"]),
-                    published=then["status"],
-                    current=now["status"],
-                    trial=now["trial"],
-                )
-                for then, now in differing
-            ),
+            differences=tuple((then, now) for then, now in mine if then["status"] != now["status"]),
             slower=median(ratios[engine]) / machine if machine and engine in ratios else None,
         )
     return besides
@@ -83,7 +62,7 @@ def _versions(store: Store) -> Mapping[str, str]:
     return dict(zip(frame["engine"], frame["engine_version"], strict=True))
 
 
-def _pairs(published: Store, store: Store) -> Iterator[tuple[Mapping[str, Any], Mapping[str, Any]]]:
+def _pairs(published: Store, store: Store) -> Iterator[_Pair]:
     """Trials that ask the same of an engine, and were answered on both sides."""
     rows = {_question(row): row for row in records(published.asked) if row["status"] not in LOST}
     for row in records(store.asked):

@@ -16,6 +16,7 @@ from typing import Literal
 from plumbline.harness.findings.emulations import made
 from plumbline.harness.findings.tables.effects import verdicts_if_described
 from plumbline.harness.findings.vendor.finding import Finding
+from plumbline.harness.store.rows import grouped
 from plumbline.harness.store.store import Store
 
 By = Literal["effect", "finding", "emulated", "unexplained"]
@@ -25,7 +26,7 @@ FAILED = ("failed", "diverged", "timeout", "crashed", "oom")
 
 
 @dataclass(frozen=True, slots=True)
-class Answer:
+class CaseResult:
     """How an engine did in a case on a track: the trial that stands for it, and its status."""
 
     case: str
@@ -50,19 +51,16 @@ class Cause:
     effects: tuple[str, ...]
     features: tuple[str, ...]
     finding: Finding | None
-    failures: tuple[Answer, ...]
+    failures: tuple[CaseResult, ...]
     cured: tuple[str, ...]
 
 
 _Key = tuple[str, str, By, tuple[str, ...], tuple[str, ...], str]
 
 
-def causes(store: Store, answers: Sequence[Answer], shelf: Sequence[Finding]) -> tuple[Cause, ...]:
+def causes(store: Store, answers: Sequence[CaseResult], shelf: Sequence[Finding]) -> tuple[Cause, ...]:
     """What is declared first and what most cases fail by before the rest; a case counts once for each engine and track."""
-    passed: dict[tuple[str, str], list[Answer]] = {}
-    for answer in answers:
-        if answer.status == "passed":
-            passed.setdefault((answer.case, answer.engine), []).append(answer)
+    passed = grouped((a for a in answers if a.status == "passed"), lambda answer: (answer.case, answer.engine))
     weights = {
         (verdict.case, verdict.engine, verdict.track, effect): verdict.matters
         for verdict in verdicts_if_described(store)
@@ -70,7 +68,7 @@ def causes(store: Store, answers: Sequence[Answer], shelf: Sequence[Finding]) ->
         for effect in verdict.effects
     }
     named = {finding.name: finding for finding in shelf}
-    groups: dict[_Key, list[Answer]] = {}
+    groups: dict[_Key, list[CaseResult]] = {}
     for answer in answers:
         if answer.status in FAILED:
             others = passed.get((answer.case, answer.engine), [])
@@ -97,7 +95,7 @@ def _noticed(store: Store, trial: str) -> set[str]:
 
 
 def _effects(
-    store: Store, answer: Answer, passed: Sequence[Answer], weights: Mapping[tuple[str, str, str, str], bool]
+    store: Store, answer: CaseResult, passed: Sequence[CaseResult], weights: Mapping[tuple[str, str, str, str], bool]
 ) -> tuple[str, ...]:
     """Those that are there or not though the scene asks otherwise, and that the failure goes with."""
     without = [_noticed(store, other.trial) for other in passed]
@@ -109,7 +107,7 @@ def _effects(
     return tuple(kept)
 
 
-def _key(store: Store, answer: Answer, effects: tuple[str, ...], shelf: Sequence[Finding]) -> _Key:
+def _key(store: Store, answer: CaseResult, effects: tuple[str, ...], shelf: Sequence[Finding]) -> _Key:
     mine = [finding for finding in shelf if finding.engine == answer.engine and answer.track in finding.tracks]
     if effects:
         said = next((finding.name for finding in mine if set(effects) <= set(finding.effects)), "")

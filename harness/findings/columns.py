@@ -5,14 +5,32 @@ in words of their own.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass, fields
-from typing import TYPE_CHECKING, Any, NamedTuple
+from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING, Any, NamedTuple, get_args
+
+from plumbline.harness.statistics.interval import Interval
 
 if TYPE_CHECKING:
     from plumbline.harness.store.store import Store
 
 Row = Mapping[str, Any]
 """A flat row: the fields of an object by name."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Cell:
+    """What a row is of: an engine under one group of settings in one scene. Terms: where: what tells the scene from its case as
+    it is, in words."""
+
+    case: str
+    where: str
+    engine: str
+    track: str
+
+    @property
+    def cell(self) -> dict[str, str]:
+        """These four by name, for what else is said of the same."""
+        return {"case": self.case, "where": self.where, "engine": self.engine, "track": self.track}
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,17 +90,22 @@ class Titled(NamedTuple):
 class Table:
     """A table of a run folder.
 
-    Terms: columns: of the flat rows, in this order. objects: what the rows are made of; flat: an object as a row. shown: what a
-    terminal has room for. sentences: what is said below the rows. paper: what a paper prints of the objects; nothing where it
-    prints what a terminal shows.
+    Terms: columns: of the flat rows, in this order. objects: what the rows are made of; row: an object as a row, where it is
+    not its fields; bare: as `spread` takes it. shown: what a terminal has room for. sentences: what is said below the rows.
+    paper: what a paper prints of the objects; nothing where it prints what a terminal shows.
     """
 
     columns: Sequence[str]
     objects: Callable[["Store"], Iterable[Any]]
-    flat: Callable[[Any], dict[str, Any]] = asdict
+    row: Callable[[Any], dict[str, Any]] | None = None
+    bare: str = ""
     shown: Sequence[Column]
     sentences: Callable[[Sequence[Row]], list[str]] = lambda _: []
     paper: Sequence[Column | Titled] = ()
+
+    def flat(self, each: Any) -> dict[str, Any]:
+        """An object as a flat row."""
+        return spread(each, self.bare) if self.row is None else self.row(each)
 
     def rows(self, store: "Store") -> list[dict[str, Any]]:
         """Flat rows with at least these columns."""
@@ -117,9 +140,32 @@ def plain(*columns: str) -> list[Column]:
     return [Column(name, name) for name in columns]
 
 
-def names(of: type) -> tuple[str, ...]:
-    """The names of a dataclass's fields."""
-    return tuple(field.name for field in fields(of))
+def names(of: type, bare: str = "") -> tuple[str, ...]:
+    """The names of a dataclass's fields, each interval as `spread` has it."""
+    return tuple(
+        name
+        for field in fields(of)
+        for name in (_interval_columns(field.name, bare) if Interval in (field.type, *get_args(field.type)) else (field.name,))
+    )
+
+
+def spread(each: Any, bare: str = "") -> dict[str, Any]:
+    """The fields of an object as a flat row: an interval is three columns, `cost`, `cost_low` and `cost_high`.
+
+    Args: bare: the interval whose ends are called `low` and `high` alone.
+    """
+    row: dict[str, Any] = {}
+    for field in fields(each):
+        value = getattr(each, field.name)
+        if Interval in (field.type, *get_args(field.type)):
+            row |= zip(_interval_columns(field.name, bare), value or (None, None, None), strict=True)
+        else:
+            row[field.name] = value
+    return row
+
+
+def _interval_columns(name: str, bare: str) -> tuple[str, str, str]:
+    return (name, "low", "high") if name == bare else (name, f"{name}_low", f"{name}_high")
 
 
 def scene(row: Row) -> str:

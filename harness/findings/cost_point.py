@@ -3,15 +3,17 @@ reached."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from operator import attrgetter
 
 from plumbline.harness.statistics.order import fit_order
+from plumbline.harness.store.rows import grouped
 
 FORESIGHT = 1e-6
 """Share of the finest step that was run beyond which no trend is followed: rounding grows with the steps, and comes first."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Point:
+class CostPoint:
     """One trial on the plane of error and cost.
 
     Terms:
@@ -51,7 +53,7 @@ class Foreseen:
     track: str
 
 
-def foreseen(points: Sequence[Point], target: float) -> Foreseen | None:
+def foreseen(points: Sequence[CostPoint], target: float) -> Foreseen | None:
     """The cheapest step at which an error of these points of one engine, none of which comes down to it, would be `target`.
 
     Settings count whose error shrinks with the step down to the finest that was run: the fit reaches no floor, its interval
@@ -60,10 +62,7 @@ def foreseen(points: Sequence[Point], target: float) -> Foreseen | None:
     more.
     """
     candidates: list[tuple[float, Foreseen]] = []
-    tracks: dict[str, list[Point]] = {}
-    for point in points:
-        tracks.setdefault(point.track, []).append(point)
-    for track, mine in tracks.items():
+    for track, mine in grouped(points, attrgetter("track")).items():
         fit = fit_order([point.dt for point in mine], [point.error for point in mine])
         last = min(mine, key=lambda point: point.dt)
         if fit is None or fit.floor is not None or fit.low <= 0 or fit.at_fine_end < fit.order / 2:

@@ -4,8 +4,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from plumbline.harness.statistics.order import FEWEST, fit_order
-from plumbline.harness.statistics.ratio import Ratio
+from plumbline.harness.statistics.interval import Interval
+from plumbline.harness.statistics.order import FEWEST, Order, fit_order
 
 TELLING = 1.0
 """The widest 95 % interval of an exponent that is stated.
@@ -29,7 +29,7 @@ class Cost:
     """A row: one engine under one group of settings in one scene.
 
     Terms:
-        where: the parameters that tell the scene from the case's others. unit: what is counted. cpu, low, high [s] of one unit.
+        where: the parameters that tell the scene from the case's others. unit: what is counted. cpu [s]: of one unit.
         to_fastest: over the fastest setting whose checks hold of any engine that people can deploy. reference: what the
         reference engine takes over this row, at its fastest setting that penetrates no more and moves no more (or, without
         contact, errs no more) than this row; reference_setting names it.
@@ -47,11 +47,9 @@ class Cost:
     engine: str
     track: str
     unit: str
-    cpu: float | None
-    low: float | None
-    high: float | None
-    to_fastest: Ratio | None
-    reference: Ratio | None
+    cpu: Interval | None
+    to_fastest: Interval | None
+    reference: Interval | None
     reference_setting: str
     penetration: float | None
     residual: float | None
@@ -67,38 +65,15 @@ class Cost:
     clocks: str = "work"
     workers: int = 1
     units: int = 1
-    to_plain: Ratio | None = None
+    to_plain: Interval | None = None
     rate: float | None = None
-    efficiency: Ratio | None = None
+    efficiency: Interval | None = None
     emulated: float | None = None
 
     @property
     def beside(self) -> bool:
         """Does it belong to a study of what stands beside the work?"""
         return "clocked" in self.parameters or "workers" in self.parameters
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Exponent:
-    """cost = C parameter^exponent above a floor, with its 95 % interval, between two values of the parameter."""
-
-    case: str
-    where: str
-    engine: str
-    track: str
-    unit: str
-    parameter: str
-    exponent: float
-    low: float
-    high: float
-    points: int
-    start: float
-    end: float
-
-    @property
-    def telling(self) -> bool:
-        """Is the exponent known well enough to be stated? Elsewhere its interval alone is."""
-        return self.high - self.low <= TELLING
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -115,26 +90,27 @@ class Sweep:
     rows: tuple[Cost, ...]
 
 
+@dataclass(frozen=True, slots=True)
+class Exponent:
+    """How the price of one engine under one group of settings grows along a sweep: fit: cost = C parameter^order above a floor,
+    between two values of the parameter."""
+
+    sweep: Sweep
+    engine: str
+    track: str
+    fit: Order
+
+    @property
+    def telling(self) -> bool:
+        """Is the exponent known well enough to be stated? Elsewhere its interval alone is."""
+        return self.fit.high - self.fit.low <= TELLING
+
+
 def growth(sweep: Sweep, rows: Sequence[Cost]) -> Exponent | None:
     """The exponent of the price along a sweep for the rows of one engine; None below three values."""
-    points = [(float(row.parameters[sweep.parameter]), row.cpu) for row in rows if row.cpu is not None]
+    points = [(float(row.parameters[sweep.parameter]), row.cpu.value) for row in rows if row.cpu is not None]
     fit = fit_order([x for x, _ in points], [y for _, y in points])
-    if fit is None:
-        return None
-    return Exponent(
-        case=sweep.case,
-        where=sweep.where,
-        engine=rows[0].engine,
-        track=rows[0].track,
-        unit=sweep.unit,
-        parameter=sweep.parameter,
-        exponent=fit.order,
-        low=fit.low,
-        high=fit.high,
-        points=fit.used,
-        start=fit.fine,
-        end=fit.coarse,
-    )
+    return None if fit is None else Exponent(sweep, rows[0].engine, rows[0].track, fit)
 
 
 def whole(sweep: Sweep) -> Sweep:
@@ -148,17 +124,11 @@ def whole(sweep: Sweep) -> Sweep:
             row,
             unit=unit,
             parameters=others | {name: row.units},
-            cpu=_times(row.cpu, row.units),
-            low=_times(row.low, row.units),
-            high=_times(row.high, row.units),
+            cpu=row.cpu and row.cpu.times(row.units),
         )
         for row, others in zip(sweep.rows, kept, strict=True)
     ]
     return replace(sweep, unit=unit, parameter=name, rows=tuple(sorted(rows, key=lambda row: row.units)))
-
-
-def _times(value: float | None, count: int) -> float | None:
-    return None if value is None else value * count
 
 
 def no_worse(own: Cost, other: Cost) -> bool:

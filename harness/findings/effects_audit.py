@@ -4,12 +4,14 @@ import json
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from operator import itemgetter
 from typing import Any
 
 import numpy as np
 
 from plumbline.harness.case.alteration import EVERYTHING
 from plumbline.harness.case.own_titles import called
+from plumbline.harness.store.rows import grouped
 
 JUDGE = "reference"
 """The engine that can leave every effect out: what is needed is decided on it, where it was asked and has converged."""
@@ -124,12 +126,9 @@ class Saving:
 
 def savings(rows: Iterable[Mapping[str, Any]]) -> list[Saving]:
     """One an engine."""
-    everything: dict[str, list[Mapping[str, Any]]] = {}
-    for row in rows:
-        if row["verdict"] == EVERYTHING and row["cost"]:
-            everything.setdefault(row["engine"], []).append(row)
     made = []
-    for engine, mine in everything.items():
+    everything = (row for row in rows if row["verdict"] == EVERYTHING and row["cost"])
+    for engine, mine in grouped(everything, itemgetter("engine")).items():
         costs = [row["cost"] for row in mine]
         mean = math.exp(float(np.mean(np.log(costs))))
         both = [(row["cost"], row["cpu_as_it_is"]) for row in mine if row["cpu_as_it_is"]]

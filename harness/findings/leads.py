@@ -1,15 +1,19 @@
 """Who leads at equal sub-steps and at equal time, with the reference engine and without it, by the rule of `standing`."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from operator import attrgetter
 
-from plumbline.harness.findings.cost_point import Point
+from plumbline.harness.findings.cost_point import CostPoint
 from plumbline.harness.findings.limits_found import CONSTANT, Hold, Search
 from plumbline.harness.findings.prices import Price
-from plumbline.harness.findings.standing import Extent, Question, cheapness, leaders, standing
+from plumbline.harness.findings.standing import Extent, LeadQuestion, cheapness, leaders, standing
+from plumbline.harness.store.rows import grouped
 
 BUDGETS = (1e-4, 1e-3)
 """CPU seconds for one time step of a case that engines are compared at: a tenth of a millisecond, and a millisecond."""
+PAIR = attrgetter("case", "where", "target")
+"""Of a price: the pair of case and error that it is of."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -60,12 +64,9 @@ class Lead:
 
 def reaches(searches: Iterable[Search]) -> list[Reach]:
     """Every axis under every condition, engine by engine; axes that were not searched at equal sub-steps have times alone."""
-    axes: dict[tuple[str, str, str], list[Search]] = {}
-    for search in searches:
-        if not search.remedied and search.verdict not in ("unsupported", "unavailable", CONSTANT):
-            axes.setdefault(search.searched_along, []).append(search)
+    told = (s for s in searches if not s.remedied and s.verdict not in ("unsupported", "unavailable", CONSTANT))
     reached: list[Reach] = []
-    for group in axes.values():
+    for group in grouped(told, attrgetter("searched_along")).values():
         for parts in sorted({search.parts for search in group if search.parts}):
             level = [search for search in group if search.parts == parts and search.fair]
             reached += _led([_reach(search, "equal sub-step", search.dt / parts, search.holds[-1:]) for search in level])
@@ -110,9 +111,9 @@ def _reach(search: Search, at: str, condition: float, last: Sequence[Hold]) -> R
     )
 
 
-def _question(axis: Sequence[Reach]) -> Question:
+def _question(axis: Sequence[Reach]) -> LeadQuestion:
     extents = {reach.engine: (reach.reach, reach.further) for reach in axis if reach.held is not None}
-    return Question(extents, [reach.engine for reach in axis])
+    return LeadQuestion(extents, [reach.engine for reach in axis])
 
 
 def _led(axis: Sequence[Reach]) -> list[Reach]:
@@ -123,31 +124,30 @@ def _led(axis: Sequence[Reach]) -> list[Reach]:
 
 def axis_leads(reached: Sequence[Reach]) -> list[Lead]:
     """How often each engine leads on axes: at each share of the case's time step, and at each budget of time."""
-    conditions: dict[tuple[str, str], dict[tuple[str, str, str], list[Reach]]] = {}
-    for reach in sorted(reached, key=lambda reach: (reach.at, reach.parts, reach.condition if not reach.parts else 0.0)):
-        named = "dt" + (f"/{reach.parts}" if reach.parts > 1 else "") if reach.parts else f"{1e3 * reach.condition:g} ms a step"
-        axes = conditions.setdefault((reach.at, named), {})
-        axes.setdefault((reach.experiment, reach.case, reach.where), []).append(reach)
+
+    def condition_of(reach: Reach) -> tuple[str, str]:
+        if reach.parts:
+            return reach.at, "dt" + (f"/{reach.parts}" if reach.parts > 1 else "")
+        return reach.at, f"{1e3 * reach.condition:g} ms a step"
+
     leads = []
-    for (at, condition), axes in conditions.items():
-        questions = [_question(axis) for axis in axes.values()]
+    order = sorted(reached, key=lambda reach: (reach.at, reach.parts, reach.condition if not reach.parts else 0.0))
+    for (at, condition), level in grouped(order, condition_of).items():
+        questions = [_question(axis) for axis in grouped(level, attrgetter("experiment", "case", "where")).values()]
         leads += _leads("axes", at, condition, True, questions)
         leads += _leads("axes", at, condition, False, [question.to_deploy for question in questions])
     return leads
 
 
-def pair_leads(prices: Sequence[Price], points: Sequence[Point]) -> list[Lead]:
+def pair_leads(prices: Sequence[Price], points: Sequence[CostPoint]) -> list[Lead]:
     """How often each engine leads in pairs of case and error that anybody reaches.
 
     At equal time that is the cheapest, within the intervals of costs, of which an upper bound has no lower end; at equal
     sub-step the one that comes down to the error in the coarsest steps that were run.
     """
-    by_scene: dict[tuple[str, str], list[Point]] = {}
-    for point in points:
-        by_scene.setdefault((point.case, point.where), []).append(point)
-    pairs = _pairs(prices)
+    by_scene, pairs = grouped(points, attrgetter("case", "where")), grouped(prices, PAIR)
     coarsest = [
-        Question(_coarsest(by_scene.get((case, where), ()), target, _engines(offers)), _engines(offers))
+        LeadQuestion(_coarsest(by_scene.get((case, where), ()), target, _engines(offers)), _engines(offers))
         for (case, where, target), offers in pairs.items()
     ]
     leads = []
@@ -158,30 +158,23 @@ def pair_leads(prices: Sequence[Price], points: Sequence[Point]) -> list[Lead]:
     return leads
 
 
-def cheapest(prices: Sequence[Price]) -> list[Question]:
+def cheapest(prices: Sequence[Price]) -> list[LeadQuestion]:
     """Which engine to deploy is cheapest? Of each pair of case and error that one of them reaches."""
-    questions = [_cheapest(offers).to_deploy for offers in _pairs(prices).values()]
+    questions = [_cheapest(offers).to_deploy for offers in grouped(prices, PAIR).values()]
     return [question for question in questions if question.extents]
 
 
-def _pairs(prices: Sequence[Price]) -> Mapping[tuple[str, str, float], list[Price]]:
-    pairs: dict[tuple[str, str, float], list[Price]] = {}
-    for price in prices:
-        pairs.setdefault((price.case, price.where, price.target), []).append(price)
-    return pairs
-
-
-def _cheapest(offers: Sequence[Price]) -> Question:
+def _cheapest(offers: Sequence[Price]) -> LeadQuestion:
     """Of one pair; an upper bound says nothing of how little a cost may be."""
     costs = {
         price.engine: cheapness(price.cost, price.low, price.high, bound=price.verdict == "at most")
         for price in offers
         if price.cost
     }
-    return Question(costs, _engines(offers))
+    return LeadQuestion(costs, _engines(offers))
 
 
-def _coarsest(points: Iterable[Point], target: float, engines: Sequence[str]) -> dict[str, Extent]:
+def _coarsest(points: Iterable[CostPoint], target: float, engines: Sequence[str]) -> dict[str, Extent]:
     extents: dict[str, Extent] = {}
     for point in points:
         if point.engine in engines and point.error <= target:
@@ -190,5 +183,5 @@ def _coarsest(points: Iterable[Point], target: float, engines: Sequence[str]) ->
     return extents
 
 
-def _leads(what: str, at: str, condition: str, ours: bool, questions: Sequence[Question]) -> list[Lead]:
+def _leads(what: str, at: str, condition: str, ours: bool, questions: Sequence[LeadQuestion]) -> list[Lead]:
     return [Lead(what=what, at=at, condition=condition, ours=ours, **each._asdict()) for each in standing(questions)]

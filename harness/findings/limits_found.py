@@ -8,8 +8,8 @@ from typing import Any
 import pandas as pd
 
 from plumbline.harness.case import Axis
-from plumbline.harness.findings.once import once
-from plumbline.harness.findings.variant_of import STEP, differing, in_words
+from plumbline.harness.findings.once import all_once
+from plumbline.harness.findings.parameter_words import STEP, differing, in_words
 from plumbline.harness.search.along_axis import Point, unchanged
 from plumbline.harness.search.first_break import BROKE, Bracket, Ruler, bracket
 from plumbline.harness.store.notices import StoredNotice
@@ -54,7 +54,7 @@ class Signs:
         return f"{self.status}: {self.reason}" if self.status and not self.counts else self.brief
 
 
-Beside = tuple[tuple[str, Any], ...]
+BesideValues = tuple[tuple[str, Any], ...]
 """Parameters with their values, and the time step [s] by the name `STEP`."""
 
 
@@ -81,7 +81,7 @@ class Search:
     experiment: str
     case: str
     where: str
-    beside: Beside
+    beside: BesideValues
     engine: str
     track: str
     dt: float
@@ -142,10 +142,6 @@ class Search:
         return self.substep is None or not self.parts or self.substep * self.parts >= self.dt * (1 - 1e-9)
 
 
-def _experiments(store: Store) -> dict[str, Experiment]:
-    return {experiment.name: experiment for experiment in experiments_of(store) if experiment.limit is not None}
-
-
 def _ruler(store: Store, experiment: Experiment, case: str) -> Ruler:
     about = store.described("cases", case)
     hard = None if about["hard"] is None else Axis(**about["hard"])
@@ -184,10 +180,10 @@ def _measured(store: Store) -> _Measured:
     return _Measured(shares, starts, own, signs, store.notices, errors)
 
 
-@once
+@all_once
 def searches(store: Store) -> Iterator[Search]:
     """All searches of a run, those for remedies with them."""
-    experiments = _experiments(store)
+    experiments = {experiment.name: experiment for experiment in experiments_of(store) if experiment.limit is not None}
     if not experiments:
         return
     measured = _measured(store)
@@ -221,7 +217,9 @@ def _outer(trials: pd.DataFrame) -> list[float]:
     ]
 
 
-def _beside(others: "pd.Series[str]", steps: "pd.Series[float]", case: Mapping[str, Any]) -> dict[tuple[str, float], Beside]:
+def _beside(
+    others: "pd.Series[str]", steps: "pd.Series[float]", case: Mapping[str, Any]
+) -> dict[tuple[str, float], BesideValues]:
     """What tells the cells of an experiment apart, and from the case as it is."""
     cells = list(dict.fromkeys(zip(others, steps, strict=True)))
     parameters = [json.loads(text) for text, _ in cells]
@@ -236,7 +234,7 @@ def _beside(others: "pd.Series[str]", steps: "pd.Series[float]", case: Mapping[s
 def _search(
     name: str,
     case: str,
-    beside: Beside,
+    beside: BesideValues,
     side: tuple[str, str, int],
     help_: tuple[str, str],
     group: pd.DataFrame,

@@ -3,8 +3,8 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import lru_cache
 
+from plumbline.harness.findings.once import once
 from plumbline.harness.store.store import Store
 
 
@@ -35,7 +35,7 @@ def _times(value: float, bound: float, more: bool) -> float:
     return above / below if below > 0 else math.inf if above > 0 else 0.0
 
 
-@lru_cache(maxsize=2)
+@once
 def margins(store: Store) -> Mapping[str, Margin]:
     """Of each trial with a bounded check, by trial; a value that a check leaves unjudged has none."""
     table = store.measurements

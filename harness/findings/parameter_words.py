@@ -1,9 +1,13 @@
-"""What a case's parameter is called where people read of it, and its unit: a name like `n` says nothing outside of its case."""
+"""Parameters in words: what tells a scene from its case as it is, and what a parameter is called where people read of it, with
+its unit, since a name like `n` says nothing outside of its case.
+"""
 
-from collections.abc import Mapping
+import json
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
-from plumbline.harness.findings.variant_of import STEP
+STEP = "dt"
+"""The name that a time step [s] stands by among parameters."""
 
 
 class Counted(NamedTuple):
@@ -13,14 +17,14 @@ class Counted(NamedTuple):
     several: str
 
 
-class Measured(NamedTuple):
+class Quantity(NamedTuple):
     """What a number measures, and its unit, 1 for none."""
 
     name: str
     unit: str
 
 
-WORDS: Mapping[str, Counted | Measured] = {
+WORDS: Mapping[str, Counted | Quantity] = {
     "stack_pile.n": Counted("ball", "balls"),
     "stack_tower.n": Counted("box", "boxes"),
     "stack_ten_minutes.n": Counted("box", "boxes"),
@@ -45,32 +49,32 @@ WORDS: Mapping[str, Counted | Measured] = {
     "starts": Counted("start", "starts"),
     "workers": Counted("process", "processes"),
     "worlds": Counted("world", "worlds"),
-    STEP: Measured("time step", "s"),
-    "amplitude": Measured("amplitude", "deg"),
-    "angle": Measured("angle", "deg"),
-    "damping": Measured("damping", "N m s/rad"),
-    "drop": Measured("height of the drop", "m"),
-    "friction": Measured("coefficient of friction", "1"),
-    "margin": Measured("margin of friction", "1"),
-    "nearest": Measured("tilt at the start", "rad"),
-    "origin": Measured("distance from the origin", "m"),
-    "overlap": Measured("overlap, of an edge", "1"),
-    "push": Measured("push, of the weight", "1"),
-    "joint_spring.rate": Measured("natural frequency", "rad/s"),
-    "rate": Measured("angular rate", "rad/s"),
-    "ratio": Measured("mass ratio", "1"),
-    "scale": Measured("scale of lengths", "1"),
-    "speed": Measured("speed", "m/s"),
-    "spin": Measured("spin", "rad/s"),
-    "spin_fast.speed": Measured("spin", "rad/s"),
-    "stand_humanoid.stiffness": Measured("stiffness of the drives, of the described", "1"),
-    "stiffness": Measured("stiffness", "N m/rad"),
-    "friction_static_kinetic.stiffness": Measured("stiffness", "N/m"),
-    "stack_arch.thickness": Measured("thickness, of the radius", "1"),
-    "thickness": Measured("wall thickness", "m"),
-    "thin": Measured("thinning of the rays", "1"),
-    "tunnel_thin_mesh.slide": Measured("speed along the ground", "m/s"),
-    "tunnel_thin_mesh.thickness": Measured("thickness of the ground", "m"),
+    STEP: Quantity("time step", "s"),
+    "amplitude": Quantity("amplitude", "deg"),
+    "angle": Quantity("angle", "deg"),
+    "damping": Quantity("damping", "N m s/rad"),
+    "drop": Quantity("height of the drop", "m"),
+    "friction": Quantity("coefficient of friction", "1"),
+    "margin": Quantity("margin of friction", "1"),
+    "nearest": Quantity("tilt at the start", "rad"),
+    "origin": Quantity("distance from the origin", "m"),
+    "overlap": Quantity("overlap, of an edge", "1"),
+    "push": Quantity("push, of the weight", "1"),
+    "joint_spring.rate": Quantity("natural frequency", "rad/s"),
+    "rate": Quantity("angular rate", "rad/s"),
+    "ratio": Quantity("mass ratio", "1"),
+    "scale": Quantity("scale of lengths", "1"),
+    "speed": Quantity("speed", "m/s"),
+    "spin": Quantity("spin", "rad/s"),
+    "spin_fast.speed": Quantity("spin", "rad/s"),
+    "stand_humanoid.stiffness": Quantity("stiffness of the drives, of the described", "1"),
+    "stiffness": Quantity("stiffness", "N m/rad"),
+    "friction_static_kinetic.stiffness": Quantity("stiffness", "N/m"),
+    "stack_arch.thickness": Quantity("thickness, of the radius", "1"),
+    "thickness": Quantity("wall thickness", "m"),
+    "thin": Quantity("thinning of the rays", "1"),
+    "tunnel_thin_mesh.slide": Quantity("speed along the ground", "m/s"),
+    "tunnel_thin_mesh.thickness": Quantity("thickness of the ground", "m"),
 }
 """By the parameter, or by case and parameter where cases mean different things by it."""
 PHRASED: Mapping[str, str] = {"thin": "one ray in {}"}
@@ -82,7 +86,7 @@ def called(case: str, parameter: str) -> str:
     match _words_of(case, parameter):
         case Counted(several=several):
             return f"number of {several}"
-        case Measured(name=name):
+        case Quantity(name=name):
             return name
     return parameter.replace("_", " ")
 
@@ -108,10 +112,43 @@ def said(case: str, parameter: str, value: Any) -> str:
     return f"{called(case, parameter)} {number}" + ("" if unit == "1" else f" {unit}")
 
 
-def _words_of(case: str, parameter: str) -> Counted | Measured | None:
+def _words_of(case: str, parameter: str) -> Counted | Quantity | None:
     return WORDS.get(f"{case}.{parameter}", WORDS.get(parameter))
 
 
 def _unit_of(case: str, parameter: str) -> str:
     words = _words_of(case, parameter)
-    return words.unit if isinstance(words, Measured) else "1"
+    return words.unit if isinstance(words, Quantity) else "1"
+
+
+def differing(given: Iterable[Mapping[str, Any]], own: Mapping[str, Any]) -> list[str]:
+    """The parameters that differ from the case's own values in one of these scenes at least; never the seed."""
+    scenes = list(given)
+    names = dict.fromkeys(name for scene in scenes for name in scene if name != "seed")
+    return [name for name in names if any(scene.get(name) != own.get(name) for scene in scenes)]
+
+
+def other_values(given: Mapping[str, Any], own: Mapping[str, Any]) -> dict[str, Any]:
+    """What one scene was given in place of the case's own values, by name."""
+    return {name: given[name] for name in differing([given], own)}
+
+
+def where_of(catalogue: Mapping[str, Any], case: str, parameters: str) -> str:
+    """What a scene was given (JSON) in place of its case's own values, in words."""
+    own = catalogue.get("cases", {}).get(case, {}).get("parameters") or {}
+    return in_words(other_values(json.loads(parameters), own))
+
+
+def in_words(values: Mapping[str, Any] | Sequence[tuple[str, Any]]) -> str:
+    """'wall thickness 0.01, continuous on, dt 1/240 s'; nothing for a case as it is."""
+    pairs = values.items() if isinstance(values, Mapping) else values
+    return ", ".join(
+        f"{name} 1/{1 / value:.4g} s" if name == STEP else f"{_words(name)} {_words(value)}" for name, value in pairs
+    )
+
+
+def _words(value: Any) -> str:
+    """A name or a value: switches are on or off, and names are words."""
+    if isinstance(value, bool):
+        return "on" if value else "off"
+    return value.replace("_", " ") if isinstance(value, str) else str(value)

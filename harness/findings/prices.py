@@ -10,26 +10,27 @@ An error that no run comes down to is none that an engine could never reach: whe
 with the step, the step at which that trend would get there is foreseen.
 """
 
-import json
 import math
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
-from functools import cache, cached_property, lru_cache
+from functools import cache, cached_property
+from operator import attrgetter
 from typing import Any, Literal
 
 import numpy as np
 import pandas as pd
 
-from plumbline.harness.findings.agreement import errors_of
-from plumbline.harness.findings.cost_point import Point, foreseen
-from plumbline.harness.findings.samples import Block, samples_by_block
+from plumbline.harness.findings.agreement.found import errors_of
+from plumbline.harness.findings.cost_point import CostPoint, foreseen
+from plumbline.harness.findings.once import once
+from plumbline.harness.findings.parameter_words import where_of
+from plumbline.harness.findings.samples import SampledBlock, samples_by_block
 from plumbline.harness.findings.search_effort import Effort, Ended, efforts
 from plumbline.harness.findings.steps_taken import substeps_of
-from plumbline.harness.findings.variant_of import in_words, other_values
 from plumbline.harness.statistics.bootstrap import drawn_in_groups, interval_of_drawn, medians, widening
 from plumbline.harness.statistics.pareto import on_front, price, prices_of_draws
-from plumbline.harness.store.rows import records
+from plumbline.harness.store.rows import grouped, records
 from plumbline.harness.store.store import Store
 from plumbline.harness.trajectory import Floats
 
@@ -42,7 +43,7 @@ DRAWS = 400
 
 PER_SECOND = "simulated second"
 
-Verdict = Literal["priced", "at most", "within the truth's error", "not within the ladder", "not clocked", "no answer"]
+PriceVerdict = Literal["priced", "at most", "within the truth's error", "not within the ladder", "not clocked", "no answer"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -69,7 +70,7 @@ class Price:
     where: str
     target: float
     engine: str
-    verdict: Verdict
+    verdict: PriceVerdict
     unit: str
     cost: float | None = None
     low: float | None = None
@@ -129,7 +130,7 @@ class Prices:
         return "" if higher else headline
 
     @cached_property
-    def _samples(self) -> Mapping[str, Mapping[Block, float]]:
+    def _samples(self) -> Mapping[str, Mapping[SampledBlock, float]]:
         """CPU seconds of a unit by trial and (process, block)."""
         timed = samples_by_block(self._store)
         return {trial: {block: sample.of_a_unit() for block, sample in blocks.items()} for trial, blocks in timed.items()}
@@ -138,13 +139,12 @@ class Prices:
         """The trials of one case at one set of parameters; where: what differs from the case's own, in words."""
         trials = self._store.asked
         for (case, parameters), group in trials.groupby(["case", "parameters"], sort=False):
-            own = self._cases.get(case, {}).get("parameters", {})
-            yield case, in_words(other_values(json.loads(parameters), own)), group
+            yield case, where_of(self._store.catalogue, case, parameters), group
 
     @cached_property
-    def points(self) -> tuple[Point, ...]:
+    def points(self) -> tuple[CostPoint, ...]:
         """Every trial that has an error and any cost, case by case and engine by engine."""
-        points: list[Point] = []
+        points: list[CostPoint] = []
         for case, where, trials in self.groups():
             here = [point for row in records(trials) if (point := self._point(case, where, row)) is not None]
             clocked = [point for point in here if point.clocked]
@@ -155,7 +155,7 @@ class Prices:
             points += [replace(point, front=point.trial in fronts, best=point.trial in best) for point in here]
         return tuple(points)
 
-    def _point(self, case: str, where: str, row: Mapping[str, Any]) -> Point | None:
+    def _point(self, case: str, where: str, row: Mapping[str, Any]) -> CostPoint | None:
         if row["status"] not in ("passed", "failed") or row["trial"] not in self._headlines:
             return None
         error, off = self._headlines[row["trial"]]
@@ -168,7 +168,7 @@ class Prices:
             cost = number(row.get("rough_cost"))
         if not (math.isfinite(error) and math.isfinite(cost) and cost > 0):
             return None
-        return Point(
+        return CostPoint(
             case=case,
             where=where,
             engine=row["engine"],
@@ -203,12 +203,9 @@ class Prices:
         return error / float(self._cases.get(case, {}).get("scale") or 1.0) if math.isfinite(error) else None
 
     @cached_property
-    def by_scene(self) -> Mapping[tuple[str, str], list[Point]]:
+    def by_scene(self) -> Mapping[tuple[str, str], list[CostPoint]]:
         """The points of each case at one set of parameters."""
-        scenes: dict[tuple[str, str], list[Point]] = {}
-        for point in self.points:
-            scenes.setdefault((point.case, point.where), []).append(point)
-        return scenes
+        return grouped(self.points, attrgetter("case", "where"))
 
     @cached_property
     def prices(self) -> tuple[Price, ...]:
@@ -242,7 +239,7 @@ class Prices:
                     yield Price(**question, **_unreached(of_engine[engine], costs.best, target))
                     continue
                 under, over = costs.beside(k, target)
-                verdict: Verdict = "priced" if over is not None else "at most"
+                verdict: PriceVerdict = "priced" if over is not None else "at most"
                 low, high = interval(costs.drawn[:, k])
                 price = Price(
                     **question,
@@ -260,7 +257,7 @@ class Prices:
                 yield price
 
 
-def _searched(points: Sequence[Point], spent: Effort) -> dict[str, Any]:
+def _searched(points: Sequence[CostPoint], spent: Effort) -> dict[str, Any]:
     """The fields of a price that say what was tried."""
     finest = min(points, key=lambda point: point.dt, default=None)
     return {
@@ -271,7 +268,7 @@ def _searched(points: Sequence[Point], spent: Effort) -> dict[str, Any]:
     }
 
 
-def _unreached(points: Sequence[Point], best: Point, target: float) -> dict[str, Any]:
+def _unreached(points: Sequence[CostPoint], best: CostPoint, target: float) -> dict[str, Any]:
     """The fields of the price of a target that no clocked point comes down to."""
     close = [point for point in points if point.error <= target]
     if close:
@@ -282,13 +279,13 @@ def _unreached(points: Sequence[Point], best: Point, target: float) -> dict[str,
     return {"verdict": "not within the ladder"} | ahead | _leaning_on(best)
 
 
-@lru_cache(maxsize=2)
+@once
 def priced(store: Store) -> Prices:
     """Points and prices of a store, worked out once for all that ask: they take longer than what is made of them."""
     return Prices(store)
 
 
-def _leaning_on(point: Point) -> dict[str, Any]:
+def _leaning_on(point: CostPoint) -> dict[str, Any]:
     """The fields of a price that say which trial it is read off."""
     return {"track": point.track, "dt": point.dt, "substeps": point.substeps, "trial": point.trial}
 
@@ -299,13 +296,13 @@ def unit_of(trials: pd.DataFrame) -> str:
     return PER_SECOND if units <= {"step"} else " or ".join(sorted(units))
 
 
-def marked(points: Sequence[Point]) -> set[str]:
+def marked(points: Sequence[CostPoint]) -> set[str]:
     """The trials on the front of these points."""
     flags = on_front([p.error for p in points], [p.cost for p in points])
     return {point.trial for point, on in zip(points, flags, strict=True) if on}
 
 
-def without(trials: pd.DataFrame, here: Sequence[Point], engine: str) -> dict[str, Any]:
+def without(trials: pd.DataFrame, here: Sequence[CostPoint], engine: str) -> dict[str, Any]:
     """Verdict and reason for an engine that has no clocked point."""
     if any(point.engine == engine for point in here):
         return {"verdict": "not clocked", "reason": "no point near the front was clocked; see the trials' warnings"}
@@ -330,7 +327,7 @@ class Draws:
     Source: A. C. Davison & D. V. Hinkley, Bootstrap Methods and their Application (1997), section 3.8.
     """
 
-    def __init__(self, points: Sequence[Point], samples: Mapping[str, Mapping[Block, float]]) -> None:
+    def __init__(self, points: Sequence[CostPoint], samples: Mapping[str, Mapping[SampledBlock, float]]) -> None:
         keys = sorted({key for point in points for key in samples.get(point.trial, {})})
         places = drawn_in_groups(tuple(Counter(process for process, _ in keys).values()), DRAWS) if keys else None
         self._shift = _shifts()
@@ -344,7 +341,7 @@ class Draws:
             drawn = np.where(np.isfinite(drawn), drawn, 1.0)
             self._costs[point.trial] = point.cost * drawn ** widening(len(taken))
 
-    def of(self, points: Sequence[Point], targets: Floats) -> Floats:
+    def of(self, points: Sequence[CostPoint], targets: Floats) -> Floats:
         """The prices of each draw for points that differ in the time step alone, shape (DRAWS, t)."""
         errors, offs = np.array([p.error for p in points]), np.array([p.off for p in points])
         costs = np.stack([self._costs[p.trial] for p in points], axis=1)
@@ -366,7 +363,7 @@ class List:
         there; drawn: those of each draw, shape (DRAWS, t).
     """
 
-    def __init__(self, points: Sequence[Point], draw: Draws, targets: Floats) -> None:
+    def __init__(self, points: Sequence[CostPoint], draw: Draws, targets: Floats) -> None:
         clocked = [point for point in points if point.clocked]
         self.best = min(clocked, key=lambda p: p.error, default=None)
         self._groups = [[p for p in clocked if p.track == track] for track in dict.fromkeys(p.track for p in clocked)]
@@ -376,7 +373,7 @@ class List:
         self.middle: Floats = np.fmin.reduce(self._middles)
         self.drawn: Floats = np.fmin.reduce([draw.of(group, targets) for group in self._groups]) if middles else none
 
-    def beside(self, k: int, target: float) -> tuple[Point, Point | None]:
+    def beside(self, k: int, target: float) -> tuple[CostPoint, CostPoint | None]:
         """The point that the k-th price leans on, and the next one of the same group that errs more than the target."""
         group = self._groups[int(np.nanargmin(self._middles[:, k]))]
         at = target * (1 + 1e-9)  # a price is one of logarithms, whose rounding may put an error at the target beyond it

@@ -8,11 +8,12 @@ from typing import Literal
 import numpy as np
 import pandas as pd
 
-from plumbline.harness.statistics.ratio import Ratio, ratio
+from plumbline.harness.statistics.interval import Interval
+from plumbline.harness.statistics.ratio import ratio
 from plumbline.harness.store.rows import records
 from plumbline.harness.store.store import Store
 
-Block = tuple[int, int]
+SampledBlock = tuple[int, int]
 """The number of a process, and that of a block in it."""
 Clock = Literal["cpu", "wall"]
 
@@ -35,9 +36,9 @@ class BlockSample:
         return (self.cpu if clock == "cpu" else self.wall) / self.count
 
 
-def samples_by_block(store: Store) -> Mapping[str, Mapping[Block, BlockSample]]:
+def samples_by_block(store: Store) -> Mapping[str, Mapping[SampledBlock, BlockSample]]:
     """By trial; a trial that was not clocked has none."""
-    samples: dict[str, dict[Block, BlockSample]] = {}
+    samples: dict[str, dict[SampledBlock, BlockSample]] = {}
     for row in records(store.samples):
         units = int(row["units"]) if pd.notna(row.get("units")) else 1
         samples.setdefault(str(row["trial"]), {})[row["process"], row["block"]] = BlockSample(
@@ -46,7 +47,9 @@ def samples_by_block(store: Store) -> Mapping[str, Mapping[Block, BlockSample]]:
     return samples
 
 
-def ratio_in_blocks(cost: Mapping[Block, BlockSample], base: Mapping[Block, BlockSample], clock: Clock = "cpu") -> Ratio | None:
+def ratio_in_blocks(
+    cost: Mapping[SampledBlock, BlockSample], base: Mapping[SampledBlock, BlockSample], clock: Clock = "cpu"
+) -> Interval | None:
     """Time of a unit of one trial over that of another; None where no block sampled both."""
     both = sorted(cost.keys() & base.keys())
     if not both:

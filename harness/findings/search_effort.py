@@ -1,12 +1,12 @@
 """How many settings were tried for each case on each engine, and why a search for more of them ended."""
 
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
 import pandas as pd
 
 from plumbline.harness.search.front import RUNS
-from plumbline.harness.store.rows import records
+from plumbline.harness.store.rows import grouped, records
 from plumbline.harness.store.store import Store
 from plumbline.harness.study.stored_study import experiments_of
 
@@ -34,10 +34,8 @@ def efforts(store: Store, trials: pd.DataFrame) -> dict[str, Effort]:
     """By engine, of the trials of one case at one set of parameters."""
     rooms = {experiment.name: experiment.sweep for experiment in experiments_of(store)}
     by_engine = {}
-    groups: dict[str, list[dict[str, Any]]] = {}
-    for row in records(trials[["engine", "experiment", "trajectory_hash", "round"]]):
-        groups.setdefault(str(row["engine"]), []).append(row)
-    for engine, mine in groups.items():
+    rows = records(trials[["engine", "experiment", "trajectory_hash", "round"]])
+    for engine, mine in grouped(rows, lambda row: str(row["engine"])).items():
         room = max(rooms.get(row["experiment"], 0) for row in mine)
         answers = {row["trajectory_hash"] for row in mine if isinstance(row["trajectory_hash"], str)}
         beyond = len(answers - {row["trajectory_hash"] for row in mine if row["round"] == 0})

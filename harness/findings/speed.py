@@ -7,13 +7,15 @@ accurate, if it errs less than ten times as much. No bound stands for a value.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from operator import attrgetter
 
 import numpy as np
 
-from plumbline.harness.findings.cost_point import Point
+from plumbline.harness.findings.cost_point import CostPoint
+from plumbline.harness.findings.once import once
 from plumbline.harness.findings.prices import PER_SECOND, Draws, List, interval, priced, unit_of
 from plumbline.harness.findings.steps_taken import step_in_words
+from plumbline.harness.store.rows import grouped
 from plumbline.harness.store.store import Store
 
 Side = tuple[str, str, str]
@@ -59,7 +61,7 @@ class Speed:
         return f"{float(f'{self.times:.3g}'):g} times real time {self.step}".rstrip()
 
 
-@lru_cache(maxsize=8)
+@once
 def speeds(store: Store, error: float) -> Mapping[Side, Speed]:
     """By case, engine and track, in cases whose costs are those of steps; a side has none if one of its scenes has none."""
     prices, sound = priced(store), _sound(store)
@@ -67,12 +69,10 @@ def speeds(store: Store, error: float) -> Mapping[Side, Speed]:
     for case, where, trials in prices.groups():
         if unit_of(trials) != PER_SECOND:
             continue
-        sides: dict[Side, list[Point]] = {}
-        for point in prices.by_scene.get((case, where), ()):
-            if point.clocked:
-                sides.setdefault((case, point.engine, point.track), []).append(point)
         own = float(store.catalogue.get("cases", {}).get(case, {}).get("dt") or 0.0)
-        for side, points in sides.items():
+        clocked = (point for point in prices.by_scene.get((case, where), ()) if point.clocked)
+        for (engine, track), points in grouped(clocked, attrgetter("engine", "track")).items():
+            side = (case, engine, track)
             speed = _speed([point for point in points if point.trial in sound], prices.draws(case, where), error, own)
             slowest = by_side.get(side, speed)
             by_side[side] = None if speed is None or slowest is None else min(speed, slowest, key=lambda speed: speed.times)
@@ -92,7 +92,7 @@ def _sound(store: Store) -> frozenset[str]:
     return frozenset(t for t, whole in passed.items() if whole or missed.get(t, set()) == {headline[t]})
 
 
-def _speed(points: Sequence[Point], draw: Draws, error: float, own: float) -> Speed | None:
+def _speed(points: Sequence[CostPoint], draw: Draws, error: float, own: float) -> Speed | None:
     """Of sound clocked points of one track in one scene. Args: own: the case's time step [s]."""
     costs = List(points, draw, np.array([error]))
     close = np.isfinite(costs.middle[0])

@@ -21,17 +21,17 @@ Extent = tuple[float, float]
 """How far an engine certainly comes and may come, the more the better: (0.4, 0.5) of an axis; (-log 3, -log 2) of a cost."""
 
 
-class Question(NamedTuple):
+class LeadQuestion(NamedTuple):
     """Which engine goes farthest in one thing? extents: of the engines with an answer. asked: all that it was put to."""
 
     extents: Mapping[str, Extent]
     asked: Sequence[str]
 
     @property
-    def to_deploy(self) -> "Question":
+    def to_deploy(self) -> "LeadQuestion":
         """The same without the reference engine."""
         extents = {name: extent for name, extent in self.extents.items() if not is_reference(name)}
-        return Question(extents, [name for name in self.asked if not is_reference(name)])
+        return LeadQuestion(extents, [name for name in self.asked if not is_reference(name)])
 
 
 class Standing(NamedTuple):
@@ -54,7 +54,7 @@ def leaders(extents: Mapping[str, Extent]) -> frozenset[str]:
     return frozenset(name for name, (low, high) in extents.items() if high > best + EQUAL or low >= best - EQUAL)
 
 
-def standing(questions: Sequence[Question]) -> list[Standing]:
+def standing(questions: Sequence[LeadQuestion]) -> list[Standing]:
     """How often each engine leads, by name."""
     first = [leaders(question.extents) for question in questions]
     return [

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
-from plumbline.harness.findings.variant_of import whole_part
+from plumbline.harness.findings.once import once
 
 if TYPE_CHECKING:
     from plumbline.harness.store.store import Store
@@ -18,12 +18,18 @@ def substeps_of(resolved: str) -> int:
     return int(settings.get("substeps") or 1) if isinstance(settings, dict) else 1
 
 
-@lru_cache(maxsize=2)
+@once
 def substeps_taken(store: "Store") -> Mapping[str, int]:
     """The sub-steps of each trial that took several, by its name."""
     trials = store.trials
     taken = {str(t): substeps_of(str(r)) for t, r in zip(trials["trial"], trials["resolved"], strict=True)}
     return {trial: count for trial, count in taken.items() if count > 1}
+
+
+def whole_part(dt: float) -> str:
+    """A time step [s] as people write it, '1/240 s'; '' where it is no whole part of a second."""
+    parts = round(1 / dt)
+    return f"1/{parts} s" if parts > 1 and abs(parts * dt - 1) < 1e-6 else ""
 
 
 def beside(substeps: int | None) -> str:

@@ -10,8 +10,8 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from plumbline.harness.findings.changes import Change, Changes, Judged, compare
-from plumbline.harness.findings.changes.matching import where_of
-from plumbline.harness.findings.changes.weights import heaviest_first
+from plumbline.harness.findings.changes.values import heaviest_first
+from plumbline.harness.findings.parameter_words import where_of
 from plumbline.harness.history.blocks import Key, SeenCell, cell_of, seen_cells
 from plumbline.harness.history.folder import Night
 from plumbline.harness.history.identity import Named, change_id, silenced
@@ -212,7 +212,7 @@ def _disagreements(store: Store) -> list[Change]:
             case=row.case,
             engine=row.engine,
             track=row.track,
-            where=where_of(row, store.catalogue),
+            where=where_of(store.catalogue, row.case, row.parameters),
             dt=float(row.dt),
             metric="answer",
             trial_a=row.trial,

@@ -4,7 +4,7 @@ from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from typing import Any
 
 from plumbline.harness.findings.vendor.finding import Finding
-from plumbline.harness.findings.vendor.still_there import SECONDS, Standing, ask
+from plumbline.harness.findings.vendor.still_there import SECONDS, ScriptAnswer, ask
 
 _ANSWERS = ("still there", "gone")
 
@@ -13,7 +13,7 @@ def asked_again(
     findings: Sequence[Finding],
     engines: Collection[str],
     left: Callable[[], float],
-    answer: Callable[[Finding], Standing] = ask,
+    answer: Callable[[Finding], ScriptAnswer] = ask,
 ) -> list[dict[str, Any]]:
     """Flat rows of those of these engines, as a night's file keeps them; none more once a hung one would not fit.
 

@@ -17,10 +17,10 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 import pandas as pd
 
-from plumbline.harness.findings.changes.limits import searched_by
-from plumbline.harness.findings.changes.matching import by_question, where_of
-from plumbline.harness.findings.changes.repetitions import agreements_by_cell
+from plumbline.harness.findings.changes.matching import by_question
+from plumbline.harness.findings.changes.studied import repetitions_by_cell, searched_by
 from plumbline.harness.findings.limits_found import searches
+from plumbline.harness.findings.parameter_words import where_of
 from plumbline.harness.history.folder import History, Night
 from plumbline.harness.store import disk
 from plumbline.harness.store.journal import StoreError
@@ -153,7 +153,11 @@ def _of_trials(
         if row.trial not in asked:
             continue
         about: dict[str, Any] = {name: str(getattr(row, name)) for name in ("experiment", "case", "engine", "track", "trial")}
-        about |= {"where": where_of(row, store.catalogue), "dt": float(row.dt), "version": str(row.engine_version)}
+        about |= {
+            "where": where_of(store.catalogue, row.case, row.parameters),
+            "dt": float(row.dt),
+            "version": str(row.engine_version),
+        }
         if row.cpu_per_unit is not None and row.cpu_per_unit > 0:
             # A timing kept from another machine has that one's digest. Before it was said what was clocked, it could be a part
             # of the motion.
@@ -210,8 +214,8 @@ def _of_answers(store: Store, questions: Mapping[Hashable, Any]) -> Iterator[dic
 def _of_repetitions(store: Store) -> Iterator[dict[str, Any]]:
     """Nothing where a history keeps hashes only: a parting cannot be read off these."""
     with suppress(StoreError):
-        for cell, agreement in ({} if store.trials.empty else agreements_by_cell(store)).items():
-            yield {"kind": "repetition", "key": _named("repeated", cell), "said": json.dumps(asdict(agreement))}
+        for cell, repetition in ({} if store.trials.empty else repetitions_by_cell(store)).items():
+            yield {"kind": "repetition", "key": _named("repeated", cell), "said": json.dumps(asdict(repetition))}
 
 
 def _named(kind: str, key: Hashable) -> str:

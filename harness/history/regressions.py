@@ -10,7 +10,7 @@ import numpy as np
 
 from plumbline.harness.findings.changes import Change
 from plumbline.harness.findings.changes.answers import as_good
-from plumbline.harness.findings.changes.weights import heaviest_first
+from plumbline.harness.findings.changes.values import heaviest_first
 from plumbline.harness.findings.changes.words import command_in, sentence, titled
 from plumbline.harness.history.folder import History, Night
 from plumbline.harness.history.identity import NEAR, Named, acknowledged, change_id, silenced

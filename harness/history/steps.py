@@ -19,12 +19,11 @@ from pydantic import TypeAdapter
 
 from plumbline.harness.findings.changes import Change
 from plumbline.harness.findings.changes.answers import answer_changes
-from plumbline.harness.findings.changes.limits import moved_limits
-from plumbline.harness.findings.changes.matching import LOST, Pair, by_question
-from plumbline.harness.findings.changes.repetitions import lost_and_won
+from plumbline.harness.findings.changes.matching import LOST, TrialPair, by_question
+from plumbline.harness.findings.changes.studied import lost_and_won, moved_limits
 from plumbline.harness.findings.changes.values import Beside
 from plumbline.harness.findings.limits_found import Search
-from plumbline.harness.findings.tables.determinism import Agreement
+from plumbline.harness.findings.tables.determinism import Repetition
 from plumbline.harness.history.folder import Night
 from plumbline.harness.history.readings import EXACT, answer_key
 from plumbline.harness.history.series import Series, over_segments
@@ -75,8 +74,8 @@ def _changes(kind: str, before: Night, after: Night, rows: pd.DataFrame) -> Iter
     if kind == "answer":
         then, now = before.store(), after.store()
         were, are = ({answer_key(key): row for key, row in by_question(store).items()} for store in (then, now))
-        return answer_changes(then, now, [Pair(were[key], are[key]) for key in rows["key"]])
-    form = _form(Search if kind == "search" else Agreement)
+        return answer_changes(then, now, [TrialPair(were[key], are[key]) for key in rows["key"]])
+    form = _form(Search if kind == "search" else Repetition)
     sides: list[Mapping[str, Any]] = [
         {key: form.validate_python(json.loads(text)) for key, text in zip(rows["key"], rows[side], strict=True)}
         for side in ("was", "said")

@@ -51,6 +51,7 @@ from plumbline.harness.scene.shape import (
     width,
 )
 from plumbline.harness.scene.surface import Surface
+from plumbline.harness.scene.tendon import MomentArm, Tendon
 from plumbline.harness.scene.values import Matrix3, Quaternion, Vector3
 
 __all__ = [
@@ -81,6 +82,7 @@ __all__ = [
     "LidarNoise",
     "Limits",
     "Matrix3",
+    "MomentArm",
     "Motion",
     "PlacedShape",
     "Plane",
@@ -101,6 +103,7 @@ __all__ = [
     "StructuredLightNoise",
     "Sun",
     "Surface",
+    "Tendon",
     "TimeOfFlightNoise",
     "TriangleMesh",
     "Turn",

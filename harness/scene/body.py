@@ -10,7 +10,7 @@ from plumbline.harness.scene.appearance import Appearance
 from plumbline.harness.scene.inertia import solid_inertia
 from plumbline.harness.scene.prescribed import Prescribed
 from plumbline.harness.scene.shape import Box, Plane, Shape, Sphere
-from plumbline.harness.scene.values import FROZEN, Matrix3, Name, NonNegative, Positive, Quaternion, Vector3
+from plumbline.harness.scene.values import FROZEN, Matrix3, Name, NonNegative, Quaternion, Vector3
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)
@@ -43,7 +43,8 @@ class Body:
 
     Terms:
         mass [kg], inertia [kg m2] shape (3, 3), symmetric, about the centre of mass in B; all zero for a mass point, which
-        nothing turns and which has no collision shapes.
+        nothing turns and which has no collision shapes. A body with neither stands between two joints with one coordinate
+        each, so that several of them move the body behind it; its origin is any point of it.
         collision: the shapes that touch (several make a compound); visual: what is drawn, the same if None.
         material: the name that surfaces pair up. appearance: what light does at its surface.
         p_WB [m], q_WB, v_WB [m/s], w_WB [rad/s]: pose and velocity at time 0, in W.
@@ -53,7 +54,7 @@ class Body:
     """
 
     name: Name
-    mass: Positive = 1.0
+    mass: NonNegative = 1.0
     inertia: Matrix3 = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
     collision: tuple[PlacedShape, ...] = ()
     visual: tuple[PlacedShape, ...] | None = None
@@ -72,6 +73,13 @@ class Body:
         where = f"body '{self.name}'"
         if defect := _defect(self.inertia):
             raise ValueError(f"{where}: inertia {defect}")
+        if self.mass == 0 and (not self.movable or any(map(any, self.inertia)) or self.collision or self.visual):
+            raise ValueError(
+                f"{where}: mass is 0 kg, expected above 0; or of a body that stands between two joints, motion 'dynamic', an "
+                "inertia of zero and no shapes"
+            )
+        if self.mass == 0 and (self.linear_damping or self.angular_damping):
+            raise ValueError(f"{where}: damping of a body without mass; expected none")
         if self.collision and not any(map(any, self.inertia)):
             raise ValueError(
                 f"{where}: inertia is zero, and it has shapes that touch; a mass point has none, expected that of a small "
@@ -112,6 +120,12 @@ class Body:
         return cls(name=name, motion="static", collision=(PlacedShape(shape=shape),), **fields)
 
     @classmethod
+    def between(cls, name: str, p_WB: Vector3 = (0.0, 0.0, 0.0), **fields: Any) -> Self:
+        """A body without mass that stands between two joints. Args: fields: its velocity, where what it hangs on moves."""
+        nothing = (0.0, 0.0, 0.0)
+        return cls(name=name, mass=0.0, inertia=(nothing, nothing, nothing), p_WB=p_WB, **fields)
+
+    @classmethod
     def ground(cls, material: str = "ground") -> Self:
         """Level ground, solid below z = 0."""
         return cls.fixed("ground", Plane(), material=material)
@@ -123,8 +137,13 @@ class Body:
 
     @property
     def mass_point(self) -> bool:
-        """Is it a movable body without any inertia?"""
-        return self.movable and not any(map(any, self.inertia))
+        """Is it a movable body without any inertia, that has mass?"""
+        return self.movable and self.mass > 0 and not any(map(any, self.inertia))
+
+    @property
+    def massless(self) -> bool:
+        """Does it stand between two joints, without mass and inertia?"""
+        return self.mass == 0
 
     @property
     def velocity_at_start(self) -> tuple[Vector3, Vector3]:

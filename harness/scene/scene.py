@@ -15,6 +15,7 @@ from plumbline.harness.scene.effect import Effect
 from plumbline.harness.scene.joint import WORLD, Joint, Prismatic, Revolute
 from plumbline.harness.scene.sensor import Sensor
 from plumbline.harness.scene.surface import Surface
+from plumbline.harness.scene.tendon import Tendon
 from plumbline.harness.scene.values import FROZEN, Name, Vector3
 
 EARTH_GRAVITY = (0.0, 0.0, -9.81)
@@ -23,6 +24,11 @@ EARTH_GRAVITY = (0.0, 0.0, -9.81)
 
 _EFFECT_NAMES = WithJsonSchema({"type": "array", "items": {"enum": list(Effect(~0).names)}})
 
+
+_FREEDOMS = 6
+"""Ways that a body moves in."""
+_ALIKE = 1e-6
+"""The least singular value of the motions of a chain at unit rates [1 and m]: below, one is all but made of the others."""
 
 _TIED = 1e-9
 """What positions of coupled joints may differ by at the start [rad or m, relative above 1]: rounding of a file's digits."""
@@ -38,13 +44,23 @@ def _unique(kind: str, names: Iterator[str]) -> None:
             raise ValueError(f"{kind} '{name}': name stands {count} times, expected once")
 
 
+def _line(joint: Joint, origin: Joint) -> list[float]:
+    """The motion (6,) of a joint with one coordinate at unit rate, angular before linear, about the anchor of another."""
+    assert isinstance(joint, Revolute | Prismatic)
+    assert isinstance(origin, Revolute | Prismatic)
+    axis = np.array(joint.axis_W)
+    if isinstance(joint, Prismatic):
+        return [0.0, 0.0, 0.0, *axis.tolist()]
+    return [*axis.tolist(), *np.cross(np.subtract(joint.anchor_W, origin.anchor_W), axis).tolist()]
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)
 class Scene:
     """Everything that an engine is told, apart from how to solve it.
 
     Terms:
         gravity [m/s2] in W. sun: the light that cameras see by. widen, narrow: effects switched on or off against what the
-        content says.
+        content says. tendons: along combinations of joints' coordinates; None: none.
         apart: pairs of materials whose bodies pass through each other (both may be the same), so that they need no surface.
     """
 
@@ -57,6 +73,7 @@ class Scene:
     widen: Annotated[Effect, _EFFECT_NAMES] = Effect.NONE
     narrow: Annotated[Effect, _EFFECT_NAMES] = Effect.NONE
     apart: tuple[tuple[Name, Name], ...] = ()
+    tendons: tuple[Tendon, ...] | None = None
 
     @field_validator("widen", "narrow", mode="before")
     @classmethod
@@ -109,7 +126,49 @@ class Scene:
                 raise ValueError(f"joint '{joint.name}': parent and child are both '{joint.child}'")
             if not movable.get(joint.parent, False) and not movable[joint.child]:
                 raise ValueError(f"joint '{joint.name}': neither '{joint.parent}' nor '{joint.child}' can move")
+        self._check_massless()
         self._check_couplings()
+        self._check_tendons()
+
+    def _check_tendons(self) -> None:
+        """Tendons have names of their own and pull at joints that have one coordinate."""
+        _unique("tendon", (tendon.name for tendon in self.tendons or ()))
+        scalar = {joint.name for joint in self.joints if isinstance(joint, Revolute | Prismatic)}
+        for tendon in self.tendons or ():
+            if lacking := next((arm.joint for arm in tendon.arms if arm.joint not in scalar), None):
+                raise ValueError(f"tendon '{tendon.name}': '{lacking}' is no joint with one coordinate")
+
+    def _check_massless(self) -> None:
+        """A body without mass stands between two joints with one coordinate, and none of the axes before the next body with
+        mass does what others do together: there its coordinates would be without inertia."""
+        massless = {body.name for body in self.bodies if body.massless}
+        if not massless:
+            return
+        hung = {joint.child: joint for joint in self.joints if joint.child in massless}
+        for name in sorted(massless):
+            ends = [joint for joint in self.joints if name in (joint.parent, joint.child)]
+            if [joint.parent == name for joint in ends] not in ([True, False], [False, True]) or not all(
+                isinstance(joint, Revolute | Prismatic) for joint in ends
+            ):
+                raise ValueError(
+                    f"body '{name}': mass is 0 kg, expected two revolute or prismatic joints, one that it hangs on and one "
+                    f"that hangs on it, got {', '.join(f'{joint.type} {joint.name!r}' for joint in ends) or 'none'}"
+                )
+        for joint in self.joints:
+            if joint.parent not in massless or joint.child in massless:
+                continue
+            chain = [joint]
+            while chain[-1].parent in hung:
+                chain.append(hung[chain[-1].parent])
+            lines = np.array([_line(each, joint) for each in chain])
+            if len(lines) > _FREEDOMS or np.linalg.svd(lines)[1][-1] < _ALIKE:
+                raise ValueError(
+                    f"body '{joint.child}': hangs on joints {', '.join(repr(each.name) for each in reversed(chain))} with no "
+                    "mass between them, of which one moves it as others do; expected axes that each move it another way"
+                )
+        for sensor in self.sensors:
+            if sensor.body in massless:
+                raise ValueError(f"sensor '{sensor.name}': body '{sensor.body}' has no mass, expected another")
 
     def _check_couplings(self) -> None:
         """A coupled joint follows another one that has a coordinate, none follows itself, and all start where they are tied."""
@@ -198,7 +257,7 @@ class Scene:
                     called |= effect
         if self.joints:
             called |= Effect.JOINTS
-        if any(getattr(j, "drive", None) is not None for j in self.joints):
+        if any(getattr(j, "drive", None) is not None for j in (*self.joints, *(self.tendons or ()))):
             called |= Effect.DRIVES
         if any(b.linear_damping > 0 for b in movable):
             called |= Effect.LINEAR_DAMPING

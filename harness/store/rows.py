@@ -1,9 +1,21 @@
 """The rows of a table as mappings: what reports take out of tables by the ten thousand."""
 
-from typing import Any
+from collections.abc import Callable, Hashable, Iterable
+from typing import Any, TypeVar
 
 import pandas as pd
 from pandas.api.extensions import ExtensionDtype
+
+Item = TypeVar("Item")
+Key = TypeVar("Key", bound=Hashable)
+
+
+def grouped(items: Iterable[Item], key: Callable[[Item], Key]) -> dict[Key, list[Item]]:
+    """What has one key in one list; keys, and what has them, in the order in which they come."""
+    groups: dict[Key, list[Item]] = {}
+    for item in items:
+        groups.setdefault(key(item), []).append(item)
+    return groups
 
 
 def records(frame: pd.DataFrame) -> list[dict[str, Any]]:

@@ -88,8 +88,13 @@ class Touched:
 
 
 def size_of(scene: Scene, index: int) -> float:
-    """The diameter [m] of a ball about a body's centre that holds its shapes; twice its radius of gyration without any."""
+    """The diameter [m] of a ball about a body's centre that holds its shapes; twice its radius of gyration without any.
+
+    Of one without mass that of the body behind it.
+    """
     body = scene.bodies[index]
+    if body.massless:
+        return size_of(scene, scene.index(next(joint.child for joint in scene.joints if joint.parent == body.name)))
     placed = [each for each in (*body.collision, *(body.visual or ())) if each.shape.type != "plane"]
     if placed:
         return 2 * max(float(np.linalg.norm(each.p_BS)) + outer_radius(each.shape) for each in placed)

@@ -65,8 +65,8 @@ def angle_between(a: Floats, b: Floats) -> Floats:
 
 
 def movable(scene: Scene) -> Integers:
-    """The places of the bodies that a force moves, (m,)."""
-    return np.array([i for i, body in enumerate(scene.bodies) if body.movable], dtype=np.int64)
+    """The places of the bodies with mass that a force moves, (m,)."""
+    return np.array([i for i, body in enumerate(scene.bodies) if body.movable and not body.massless], dtype=np.int64)
 
 
 def kinetic_energy(scene: Scene, trajectory: Trajectory) -> Floats:

@@ -1,12 +1,16 @@
-"""The charts of the report as Vega-Lite specifications: error against time step, and across cases."""
+"""The charts of errors: against the time step, and across cases; a trial that has no place on the axes stands at an edge."""
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
+from operator import itemgetter
 from statistics import median
 from typing import Any
 
 import pandas as pd
 
+from plumbline.harness.findings.steps_taken import substeps_of
 from plumbline.harness.metric.titles import metric_title
+from plumbline.harness.store.rows import grouped, records
 from plumbline.harness.store.store import Store
 from plumbline.reports.charts.figure import Figure, thin
 from plumbline.reports.charts.grammar import Row, channel, chart, fixed
@@ -23,11 +27,10 @@ from plumbline.reports.charts.marks import (
     logarithmic,
     ticks,
 )
-from plumbline.reports.charts.points import points
 from plumbline.reports.tables.trial_results import answers
-from plumbline.reports.words.catalogue import cases
+from plumbline.reports.words.catalogue import cases, labels, setting_words
 from plumbline.reports.words.status import outcome
-from plumbline.reports.words.text import amount, slug, unit_text, visible
+from plumbline.reports.words.text import amount, slug, step, unit_text, visible
 
 STEP = "time step [ms]"
 
@@ -85,7 +88,7 @@ def table(drawn: Iterable[Row], numbers: Sequence[str]) -> tuple[Sequence[str], 
 def layered(store: Store, drawn: list[Row], y_title: str, *, bounds: Sequence[Any]) -> Row:
     """Lines, ranges, points and edges over one pair of axes."""
     placed = [row for row in drawn if row["edge"] == "none"]
-    placed = [row for line in grouped(placed, ("series",)).values() for row in thin(line, "dt", "error")]
+    placed = [row for line in grouped(placed, itemgetter("series")).values() for row in thin(line, "dt", "error")]
     style = Marks(store, drawn)
     x = logarithmic("dt", STEP, ticks(drawn, "dt"))
     y = logarithmic("error", y_title, decades(row["error"] for row in placed))
@@ -122,30 +125,25 @@ def bound_line(bounds: Sequence[tuple[float, float]], x: Any, y: Any) -> Any:
 
 def outcome_lanes(drawn: Sequence[Row], x: Any, style: Marks) -> list[Any]:
     """Trials without an error, above the frame: a lane for each engine and track, a symbol where the trial would stand."""
-    silent = grouped((row for row in drawn if row["edge"] == "outcome"), ("engine", "track"))
+    silent = grouped((row for row in drawn if row["edge"] == "outcome"), itemgetter("engine", "track"))
     rows = [row | {"lane": -10 - LANE * lane} for lane, trials in enumerate(silent.values()) for row in trials]
     names = [{"lane": -10 - LANE * lane, "label": f"{engine}, {track}"} for lane, (engine, track) in enumerate(silent)]
     return [*lane_texts(rows, "symbol", x, style, style.tooltip()), *lane_names(names)]
 
 
-def grouped(rows: Iterable[Row], keys: Sequence[str]) -> Mapping[tuple[Any, ...], list[Row]]:
-    """Rows by the values of some keys, in the order they come."""
-    groups: dict[tuple[Any, ...], list[Row]] = {}
-    for row in rows:
-        groups.setdefault(tuple(row[key] for key in keys), []).append(row)
-    return groups
-
-
 def medians(placed: Iterable[Row]) -> list[Row]:
     """One point for each series and time step: medians over seeds."""
-    return [seeds[0] | {"error": median(row["error"] for row in seeds)} for seeds in grouped(placed, ("series", "dt")).values()]
+    return [
+        seeds[0] | {"error": median(row["error"] for row in seeds)}
+        for seeds in grouped(placed, itemgetter("series", "dt")).values()
+    ]
 
 
 def spans(placed: Iterable[Row]) -> list[Row]:
     """The range of the error over the seeds of one setting, where there are several."""
     return [
         seeds[0] | {"least": min(row["error"] for row in seeds), "most": max(row["error"] for row in seeds)}
-        for seeds in grouped(placed, ("series", "dt")).values()
+        for seeds in grouped(placed, itemgetter("series", "dt")).values()
         if len(seeds) > 1
     ]
 
@@ -161,7 +159,7 @@ def across_cases(
     drawn = points(store, rows)
     merged: list[Row] = []
     silent: list[Row] = []
-    for (case, _, _), trials in grouped(drawn, ("case", "engine", "track")).items():
+    for (case, _, _), trials in grouped(drawn, itemgetter("case", "engine", "track")).items():
         label = titles[case] if list(titles.values()).count(titles[case]) == 1 else f"{titles[case]} ({visible(case)[:40]})"
         numbers = [row[field] for row in trials if row[field]]
         first = max(trials, key=lambda row: outcome(row["status"]).rank) | {"case": label}
@@ -176,7 +174,7 @@ def across_cases(
     layers = [chart(merged).marked("point", **POINT).encode(x=x, y=y, **style.channels())]
     if exact := [row for row in silent if row["edge"] == "exact" and field == "error"]:
         layers.append(chart(exact).marked("point", **POINT).encode(x=fixed(0), y=y, **style.channels()))
-    beside = grouped((row for row in silent if not answered(row, field)), ("case",)).values()
+    beside = grouped((row for row in silent if not answered(row, field)), itemgetter("case")).values()
     if outcomes := [row | {"column": column} for of_case in beside for column, row in enumerate(of_case)]:
         edge = chart(outcomes).marked("text", fontSize=12, fontWeight=700, dx={"expr": "12 + 13 * datum.column"})
         shown: Row = {"text": channel("symbol:N"), "color": style.colour(), "tooltip": style.tooltip()}
@@ -187,7 +185,7 @@ def across_cases(
 
 def beside_each_other(rows: Sequence[Row], engines: Sequence[str], field: str) -> tuple[Sequence[str], Sequence[Sequence[str]]]:
     """Headings and cells of a table with a row for each case and track, a column for each engine: a number or an outcome."""
-    sides = grouped(rows, ("case", "track"))
+    sides = grouped(rows, itemgetter("case", "track"))
     cells = []
     for (case, track), mine in sides.items():
         by_engine = {row["engine"]: amount(row[field]) if row[field] is not None else row["status"] for row in mine}
@@ -198,3 +196,49 @@ def beside_each_other(rows: Sequence[Row], engines: Sequence[str], field: str) -
 def answered(row: Row, field: str) -> bool:
     """Is a missing number no failure: an error of exactly zero, or a trial that was not timed though it answered?"""
     return bool(row["edge"] == "exact" or (field in ("cpu", "pace") and row["edge"] != "outcome"))
+
+
+def number(value: Any) -> float | None:
+    """A finite float, or None: JSON has no NaN."""
+    return float(value) if pd.notna(value) and math.isfinite(value) else None
+
+
+def points(store: Store, rows: pd.DataFrame) -> list[Row]:
+    """Rows of `answers` for a chart.
+
+    Terms of a row:
+        engine, track, series, trial, status, symbol, reason, settings: words. dt [ms]; step: the same in words, with
+        the sub-steps that it was taken in. error [its unit], cpu, low,
+        high [CPU s per simulated s]; pace [simulated s per CPU s]. edge: 'none' where the error can be drawn on a
+        logarithmic axis, 'exact' where it is
+        0, 'outcome' where there is no error.
+    """
+    names = labels(store)
+    drawn = []
+    for row in records(rows):
+        error, cpu = number(row["error"]), number(row["cpu_per_sim_s"])
+        cpu = cpu if cpu is not None and cpu > 0 else None
+        low, high = number(row["cpu_low"]), number(row["cpu_high"])
+        drawn.append(
+            {
+                "engine": names[row["engine"]],
+                "track": visible(setting_words(store, row["engine"], str(row["track"])))[:60],
+                "series": row["series"],
+                "trial": row["trial"],
+                "case": row["case"],
+                "status": outcome(row["status"]).name,
+                "symbol": outcome(row["status"]).symbol,
+                "reason": visible(str(row["said"]))[:300],
+                "settings": visible(row["settings_line"])[:300],
+                "dt": 1e3 * float(row["dt"]),
+                "step": step(float(row["dt"]), substeps_of(str(row["resolved"]))),
+                "error": error,
+                "bound": number(row["at_most"]),
+                "cpu": cpu,
+                "pace": 1 / cpu if cpu is not None else None,
+                "low": low if low is not None and low > 0 and cpu is not None else cpu,
+                "high": high if high is not None and cpu is not None else cpu,
+                "edge": "outcome" if error is None else "exact" if error == 0 else "none",
+            }
+        )
+    return drawn

@@ -3,7 +3,7 @@
 import hashlib
 import json
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from copy import deepcopy
 from dataclasses import dataclass
@@ -17,6 +17,7 @@ from markupsafe import Markup
 
 from plumbline.reports.charts.compact import new_words, shown_rows, shown_spec
 from plumbline.reports.charts.still_legend import NAMED, with_legend
+from plumbline.reports.words.text import amount
 
 POINTS = 2000
 """Most points of one series that are drawn."""
@@ -130,6 +131,19 @@ class Figure:
         if form == "pdf":
             return bytes(vl_convert.vegalite_to_pdf(spec, vl_version=VEGA_LITE, allowed_base_urls=[]))
         return bytes(vl_convert.vegalite_to_png(spec, vl_version=VEGA_LITE, allowed_base_urls=[], scale=2.0))
+
+
+def tabled(
+    rows: Iterable[Mapping[str, Any]], *columns: tuple[str, str | Callable[[Mapping[str, Any]], str]]
+) -> tuple[list[str], list[list[Any]]]:
+    """Headings and cells of the table below a chart, of pairs of a heading and a field, or of what makes its cell: numbers in
+    the digits of tables, counts and words as they are."""
+
+    def cell(value: Any) -> Any:
+        return amount(value) if value is None or isinstance(value, float) else value
+
+    makers = [(lambda row, key=key: row[key]) if isinstance(key, str) else key for _, key in columns]
+    return [heading for heading, _ in columns], [[cell(make(row)) for make in makers] for row in rows]
 
 
 CLIP = re.compile(r'(?<=id="clip)\d+|(?<=url\(#clip)\d+')

@@ -3,7 +3,7 @@
 import re
 from collections.abc import Mapping, Sequence
 
-from plumbline.harness.findings.sensor_readings.findings import Finding
+from plumbline.harness.findings.sensor_readings.findings import SensorFinding
 from plumbline.harness.metric.titles import metric_title
 from plumbline.harness.store.store import Store
 from plumbline.reports.charts.figure import Figure
@@ -26,18 +26,18 @@ LINES: Row = {"labelExpr": "split(datum.label, ': ')", "labelLimit": 230, "grid"
 """Of an axis of names: what stands after a colon goes to a line of its own."""
 
 
-def named(store: Store, finding: Finding) -> str:
+def named(store: Store, finding: SensorFinding) -> str:
     """A channel in words: its case, its sensor and what it reads."""
     return visible(f"{titled(store, finding.case, finding.where)}: {reading(finding)}")[:90]
 
 
-def reading(finding: Finding) -> str:
+def reading(finding: SensorFinding) -> str:
     """What a sensor reads, in words: 'lidar range', and of a sensor named for it the one word."""
     of = finding.channel if finding.sensor == finding.channel else f"{finding.sensor} {finding.channel}"
     return re.sub(r"\bimu\b", "IMU", of.replace("_", " "))
 
 
-def _row(store: Store, finding: Finding) -> Row:
+def _row(store: Store, finding: SensorFinding) -> Row:
     return {
         "engine": labels(store)[finding.engine],
         "track": visible(finding.track)[:30],
@@ -54,7 +54,7 @@ def _row(store: Store, finding: Finding) -> Row:
     }
 
 
-def error_charts(store: Store, findings: Sequence[Finding]) -> list[Figure]:
+def error_charts(store: Store, findings: Sequence[SensorFinding]) -> list[Figure]:
     """A chart for each unit; channels without a truth are left out."""
     charts = []
     for unit, title in UNITS.items():
@@ -112,7 +112,7 @@ def _errors(store: Store, rows: Sequence[Row], unit: str, title: str) -> Figure:
     return Figure(name, title, caption, finished(layers, height=40 + 44 * len(signals)), columns, cells, how)
 
 
-def rays_chart(store: Store, findings: Sequence[Finding]) -> Figure | None:
+def rays_chart(store: Store, findings: Sequence[SensorFinding]) -> Figure | None:
     """Rays a CPU second, bare and with all that makes a reading of them; None where nothing was clocked."""
     rows: list[Row] = []
     for finding in findings:

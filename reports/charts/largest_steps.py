@@ -2,8 +2,10 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from operator import attrgetter
 
-from plumbline.harness.findings.tables.steps import Step
+from plumbline.harness.findings.tables.steps import StepRange
+from plumbline.harness.store.rows import grouped
 from plumbline.harness.store.store import Store
 from plumbline.reports.charts.figure import Figure
 from plumbline.reports.charts.grammar import Row, channel, chart, hovering
@@ -13,36 +15,34 @@ from plumbline.reports.words.text import amount
 
 
 @dataclass(frozen=True, slots=True)
-class Allowance:
+class LargestSteps:
     """How far one engine may step in one scene: on each track, and where it is fastest."""
 
     case: str
     title: str
     engine: str
-    tracks: Mapping[str, Step]
-    fastest: Step | None
+    tracks: Mapping[str, StepRange]
+    fastest: StepRange | None
 
 
-def allowances(store: Store, steps: Sequence[Step]) -> list[Allowance]:
+def allowances(store: Store, steps: Sequence[StepRange]) -> list[LargestSteps]:
     """Steps of one scene and engine in one row, engines in their usual order within a scene."""
-    by_engine: dict[tuple[str, str, str], list[Step]] = {}
     scenes = list(dict.fromkeys((step.case, step.where) for step in steps))
     order = list(engines(store))
-    for step in sorted(steps, key=lambda step: (scenes.index((step.case, step.where)), order.index(step.engine))):
-        by_engine.setdefault((step.case, step.where, step.engine), []).append(step)
+    ordered = sorted(steps, key=lambda step: (scenes.index((step.case, step.where)), order.index(step.engine)))
     return [
-        Allowance(
+        LargestSteps(
             case=case,
             title=titled(store, case, where),
             engine=engine,
             tracks={step.track: step for step in mine if step.track in TRACKS},
             fastest=max((step for step in mine if step.realtime), key=lambda step: step.realtime or 0.0, default=None),
         )
-        for (case, where, engine), mine in by_engine.items()
+        for (case, where, engine), mine in grouped(ordered, attrgetter("case", "where", "engine")).items()
     ]
 
 
-def survival(steps: Sequence[Step]) -> list[tuple[float, float, int]]:
+def survival(steps: Sequence[StepRange]) -> list[tuple[float, float, int]]:
     """The share of scenes that are still within one per cent at a time step, one row a scene.
 
     Returns:
@@ -60,7 +60,7 @@ def survival(steps: Sequence[Step]) -> list[tuple[float, float, int]]:
     return curve
 
 
-def steps_chart(store: Store, steps: Sequence[Step]) -> Figure | None:
+def steps_chart(store: Store, steps: Sequence[StepRange]) -> Figure | None:
     """The share of scenes within one per cent over the time step, default and tuned; None where nothing stays within it."""
     rows: list[Row] = []
     for engine, track in dict.fromkeys((step.engine, step.track) for step in steps if step.track in TRACKS):

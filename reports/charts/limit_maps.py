@@ -4,15 +4,17 @@ from collections.abc import Sequence
 from typing import Any
 
 from plumbline.harness.findings.limits_found import CONSTANT, Search
-from plumbline.harness.findings.parameter_words import axis_title
-from plumbline.harness.findings.variant_of import STEP, in_words
+from plumbline.harness.findings.parameter_words import STEP, axis_title, in_words
 from plumbline.harness.store.store import Store
-from plumbline.reports.charts.figure import Figure
+from plumbline.reports.charts.figure import Figure, tabled
 from plumbline.reports.charts.grammar import Row, chart, hovering
 from plumbline.reports.charts.marks import POINT, Marks, at_values, decades, finished, logarithmic
 from plumbline.reports.tables.limit_table import VERDICTS, mapped, signs
 from plumbline.reports.words.catalogue import cases, labels
 from plumbline.reports.words.text import amount, slug
+
+ENDS = (("held", "held"), ("broke", "broke"), ("by", "signs"), ("verdict", "verdict"))
+"""Of the table below a map: its last columns."""
 
 
 def maps(store: Store, searches: Sequence[Search]) -> list[Figure]:
@@ -86,19 +88,7 @@ def _map(store: Store, name: str, group: Sequence[Search]) -> list[Figure]:
                 title,
                 f"The hardest {title_y} that every start held.",
                 finished(layers, height=190),
-                ("engine", "setting", title_x, "held", "broke", "by", "verdict"),
-                [
-                    [
-                        r["engine"],
-                        r["track"],
-                        amount(r["beside"]),
-                        amount(r["held"]),
-                        amount(r["broke"]),
-                        r["signs"],
-                        r["verdict"],
-                    ]
-                    for r in rows
-                ],
+                *tabled(rows, ("engine", "engine"), ("setting", "track"), (title_x, lambda row: amount(row["beside"])), *ENDS),
                 f"Bars span to the first that not all held. At {amount(first.easy)} nothing harder than the start of the axis "
                 f"held, at {amount(first.extreme)} its end.",
             )

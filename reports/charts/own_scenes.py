@@ -1,17 +1,19 @@
 """The charts of scenes of one's own: what a smaller step still moves, and who parts from the limit that is agreed."""
 
 from collections.abc import Sequence
+from operator import itemgetter
 from typing import Any
 
 import numpy as np
 
-from plumbline.harness.findings.agreement import Agreement, ways
+from plumbline.harness.findings.agreement.found import ways
+from plumbline.harness.findings.agreement.values import Agreement
+from plumbline.harness.store.rows import grouped
 from plumbline.harness.store.store import Store
 from plumbline.reports.charts.figure import Figure, thin
 from plumbline.reports.charts.grammar import Row, channel, chart, hovering
 from plumbline.reports.charts.marks import Marks, decades, finished, logarithmic
-from plumbline.reports.tables.own_scenes import titles
-from plumbline.reports.words.catalogue import labels
+from plumbline.reports.words.catalogue import labels, titles
 from plumbline.reports.words.text import amount, slug, visible
 
 LEAST = 1e-12
@@ -78,9 +80,7 @@ def _over_time(
     if not drawn:
         return None
     style = Marks(store, drawn)
-    series: dict[str, list[Row]] = {}
-    for row in drawn:
-        series.setdefault(row["series"], []).append(row)
+    series = grouped(drawn, itemgetter("series"))
     placed = [row for curve in series.values() for row in thin(curve, "time", "share", 400)]
     x = channel("time:Q", title=TIME, axis={"grid": True, "tickCount": 6})
     y = logarithmic("share", "share of the size", decades([*(row["share"] for row in placed), line]))

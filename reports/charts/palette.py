@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True, slots=True)
-class Look:
+class EngineLook:
     """A colour (#rrggbb) and a marker: an SVG path within -1..1, which Vega and HTML both draw."""
 
     colour: str
@@ -30,27 +30,27 @@ FLAT = "M-1.1,-.45H1.1V.45H-1.1Z"
 BACKGROUNDS = {"light": "#ffffff", "dark": "#15191f"}
 """What charts stand on; the style sheet uses the same two."""
 
-ENGINES: dict[str, Look] = {
-    "reference": Look("#d55e00", DIAMOND),
-    "mujoco": Look("#0077bb", CIRCLE),
-    "bullet": Look("#009e73", SQUARE),
-    "dart": Look("#c0639a", TRIANGLE_UP),
-    "sapien": Look("#a87900", TRIANGLE_DOWN),
-    "drake": Look("#2e93c9", CROSS),
-    "newton": Look("#7f7f8c", PENTAGON),
+ENGINES: dict[str, EngineLook] = {
+    "reference": EngineLook("#d55e00", DIAMOND),
+    "mujoco": EngineLook("#0077bb", CIRCLE),
+    "bullet": EngineLook("#009e73", SQUARE),
+    "dart": EngineLook("#c0639a", TRIANGLE_UP),
+    "sapien": EngineLook("#a87900", TRIANGLE_DOWN),
+    "drake": EngineLook("#2e93c9", CROSS),
+    "newton": EngineLook("#7f7f8c", PENTAGON),
 }
 """The engines that have an adapter here."""
 
-SPARE: tuple[Look, ...] = (
-    Look("#8f6bd1", BAR),
-    Look("#6b8e23", HOURGLASS),
-    Look("#c94c4c", FLAT),
-    Look("#a0723c", CIRCLE),
+SPARE: tuple[EngineLook, ...] = (
+    EngineLook("#8f6bd1", BAR),
+    EngineLook("#6b8e23", HOURGLASS),
+    EngineLook("#c94c4c", FLAT),
+    EngineLook("#a0723c", CIRCLE),
 )
 """For engines of third parties, in alphabetical order of their names."""
 
 
-def looks(names: Iterable[str]) -> dict[str, Look]:
+def looks(names: Iterable[str]) -> dict[str, EngineLook]:
     """A look for each engine, in the order given; spare ones repeat only beyond the last."""
     listed = list(names)
     strangers = sorted(name for name in listed if name not in ENGINES)

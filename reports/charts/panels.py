@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from operator import attrgetter
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,11 +12,12 @@ from plumbline.harness.history.regressions import Trends
 from plumbline.harness.history.series import Series
 from plumbline.harness.history.steps import Step
 from plumbline.harness.statistics.change_points import Level, levelled, levels
+from plumbline.harness.store.rows import grouped
 from plumbline.harness.trajectory import Floats
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
-class Panel:
+class TrendPanel:
     """A panel.
 
     Terms: case: '' for the engine as a whole. case_title, engine_title: what they are called. index (n,): the price over its
@@ -37,23 +39,19 @@ class Panel:
     otherwise: tuple[tuple[int, int, int], ...]
 
 
-def panels(trends: Trends) -> tuple[Panel, ...]:
+def panels(trends: Trends) -> tuple[TrendPanel, ...]:
     """One for each case on each engine that was clocked or has an error, in the order in which they were first seen."""
-    cells: dict[tuple[str, str], list[Series]] = {}
-    for one in trends.series:
-        cells.setdefault((one.case, one.engine), []).append(one)
+    cells = grouped(trends.series, attrgetter("case", "engine"))
     return tuple(_panel(case, engine, group, trends) for (case, engine), group in cells.items())
 
 
-def engine_panels(trends: Trends) -> tuple[Panel, ...]:
+def engine_panels(trends: Trends) -> tuple[TrendPanel, ...]:
     """One for each engine as a whole."""
-    engines: dict[str, list[Series]] = {}
-    for one in trends.series:
-        engines.setdefault(one.engine, []).append(one)
+    engines = grouped(trends.series, attrgetter("engine"))
     return tuple(_panel("", engine, group, trends) for engine, group in engines.items())
 
 
-def _panel(case: str, engine: str, group: Sequence[Series], trends: Trends) -> Panel:
+def _panel(case: str, engine: str, group: Sequence[Series], trends: Trends) -> TrendPanel:
     count = len(trends.nights)
     prices = [one for one in group if one.kind == "price"]
     mine = {id(one) for one in prices}
@@ -67,7 +65,7 @@ def _panel(case: str, engine: str, group: Sequence[Series], trends: Trends) -> P
     segments = np.max([one.segments for one in prices], axis=0) if prices else np.full(count, -1, np.int64)
     drawn = levels(values, {step.night for step in steps}, segments)
     first = drawn[0].value if drawn else 1.0
-    return Panel(
+    return TrendPanel(
         case=case,
         engine=engine,
         case_title=trends.called(case) if case else "All cases",

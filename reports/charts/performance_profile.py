@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from plumbline.harness.findings.tables.profile import FACTOR, TIME, Share
 from plumbline.harness.store.store import Store
-from plumbline.reports.charts.figure import Figure
+from plumbline.reports.charts.figure import Figure, tabled
 from plumbline.reports.charts.grammar import Row, channel, chart, hovering
 from plumbline.reports.charts.marks import POINT, SHARES, Marks, decades, finished, logarithmic
 from plumbline.reports.words.catalogue import labels, titled
@@ -69,19 +69,16 @@ def profile_chart(store: Store, shares: Sequence[Share], limit: str) -> Figure |
         f"within {'so many times the cheapest price' if factor else 'so much CPU time'}. At the right: how often it gets there "
         "at all. Bands span the shares with one case left out."
     )
-    columns = ("engine", AXES[limit], "share", "least", "without", "most", "without")
-    cells = [
-        [
-            row["engine"],
-            amount(row["within"]),
-            f"{amount(100 * row['share'])} %",
-            f"{amount(100 * row['low'])} %",
-            row["without_low"],
-            f"{amount(100 * row['high'])} %",
-            row["without_high"],
-        ]
-        for row in rows
-    ]
+    table = tabled(
+        rows,
+        ("engine", "engine"),
+        (AXES[limit], "within"),
+        ("share", lambda row: f"{amount(100 * row['share'])} %"),
+        ("least", lambda row: f"{amount(100 * row['low'])} %"),
+        ("without", "without_low"),
+        ("most", lambda row: f"{amount(100 * row['high'])} %"),
+        ("without", "without_high"),
+    )
     title = "Share of cases solved within N times of the fastest" if factor else "Share of cases solved within a CPU time"
     spec = finished(layers, height=300)
-    return Figure("profile-factor" if factor else "profile-time", title, caption, spec, columns, cells, how)
+    return Figure("profile-factor" if factor else "profile-time", title, caption, spec, *table, how)

@@ -1,9 +1,11 @@
 """The charts of noise against its law: Allan deviation, range errors, and depth errors over depth."""
 
 from collections.abc import Callable, Iterable, Sequence
+from operator import attrgetter
 from typing import Any
 
-from plumbline.harness.findings.sensor_readings.findings import Finding
+from plumbline.harness.findings.sensor_readings.findings import SensorFinding
+from plumbline.harness.store.rows import grouped
 from plumbline.harness.store.store import Store
 from plumbline.reports.charts.figure import Figure
 from plumbline.reports.charts.grammar import Row, channel, chart, hovering
@@ -16,20 +18,27 @@ LAW = "#8a93a0"
 """Of what the law says; no engine has this colour."""
 
 
-def noise_charts(store: Store, findings: Iterable[Finding]) -> list[Figure]:
+def noise_charts(store: Store, findings: Iterable[SensorFinding]) -> list[Figure]:
     """A chart for each noisy channel of each scene."""
-    groups: dict[tuple[str, str, str, str], list[Finding]] = {}
-    for finding in findings:
-        if finding.allan is not None or finding.histogram is not None or finding.levels is not None:
-            groups.setdefault((finding.case, finding.where, finding.sensor, finding.channel), []).append(finding)
-    return [_drawn(group)(store, group) for group in groups.values()]
+    noisy = (finding for finding in findings if finding.curve is not None)
+    groups = grouped(noisy, attrgetter("case", "where", "sensor", "channel"))
+    drawn = {"imu": _allan, "lidar": _histogram, "depth_camera": _depth}
+    return [drawn[group[0].type](store, group) for group in groups.values()]
 
 
-def _drawn(group: Sequence[Finding]) -> Callable[[Store, Sequence[Finding]], Figure]:
-    return _allan if group[0].allan is not None else _histogram if group[0].histogram is not None else _depth
+def _points(store: Store, group: Sequence[SensorFinding], *names: str) -> tuple[list[Row], list[Row]]:
+    """Rows of all engines, and those of the first alone, which say the law. Args: names: of at, found, law, low and high."""
+    by_engine = []
+    for finding in group:
+        if (curve := finding.curve) is not None:
+            values = zip(curve.at, curve.found, curve.law, curve.low, curve.high, strict=True)
+            count = {"count": curve.count, "beyond": curve.beyond} if curve.count else {}
+            said = _said(store, finding) | count
+            by_engine.append([said | dict(zip(names, map(float, value), strict=True)) for value in values])
+    return [row for rows in by_engine for row in rows], [{name: row[name] for name in names} for row in by_engine[0]]
 
 
-def _said(store: Store, finding: Finding) -> Row:
+def _said(store: Store, finding: SensorFinding) -> Row:
     return {
         "engine": labels(store)[finding.engine],
         "track": visible(finding.track)[:30],
@@ -38,7 +47,7 @@ def _said(store: Store, finding: Finding) -> Row:
     }
 
 
-def _name(kind: str, finding: Finding) -> str:
+def _name(kind: str, finding: SensorFinding) -> str:
     return slug(f"{kind}-{finding.case}-{finding.where}-{finding.sensor}-{finding.channel}".replace(" ", "-"))
 
 
@@ -70,19 +79,9 @@ def _tooltips(*numbers: tuple[str, str]) -> list[Any]:
     return [*words, *(channel(f"{f}:Q", title=t, format=".4~g") for f, t in numbers), channel("trial:N")]
 
 
-def _allan(store: Store, group: Sequence[Finding]) -> Figure:
+def _allan(store: Store, group: Sequence[SensorFinding]) -> Figure:
     first, known = group[0], group[0].noise.law
-    rows: list[Row] = []
-    law: list[Row] = []
-    for finding in group:
-        if finding.allan is None:
-            continue
-        points = zip(
-            finding.allan.time, finding.allan.found, finding.allan.law, finding.allan.low, finding.allan.high, strict=True
-        )
-        mine = [dict(zip(("tau", "value", "law", "low", "high"), map(float, point), strict=True)) for point in points]
-        law = law or mine
-        rows += [_said(store, finding) | point for point in mine]
+    rows, law = _points(store, group, "tau", "value", "law", "low", "high")
     x = logarithmic("tau", "averaging time [s]", decades(row["tau"] for row in rows))
     span = decades(row[key] for row in rows for key in ("value", "low", "high"))
 
@@ -102,20 +101,9 @@ def _allan(store: Store, group: Sequence[Finding]) -> Figure:
     return Figure(_name("allan", first), f"{named(store, first)}, Allan deviation", caption, spec, columns, cells, how)
 
 
-def _histogram(store: Store, group: Sequence[Finding]) -> Figure:
+def _histogram(store: Store, group: Sequence[SensorFinding]) -> Figure:
     first = group[0]
-    rows: list[Row] = []
-    law: list[Row] = []
-    for finding in group:
-        if finding.histogram is None:
-            continue
-        h = finding.histogram
-        mine = [
-            dict(zip(("at", "value", "law", "low", "high"), map(float, point), strict=True))
-            for point in zip(h.middle, h.density, h.law, h.low, h.high, strict=True)
-        ]
-        law = law or mine
-        rows += [_said(store, finding) | point | {"count": h.count, "beyond": h.beyond} for point in mine]
+    rows, law = _points(store, group, "at", "value", "law", "low", "high")
     x = channel("at:Q", title="range error over its standard deviation by law", scale={"domain": [-4, 4], "nice": False})
 
     def y(field: str) -> Any:
@@ -133,19 +121,10 @@ def _histogram(store: Store, group: Sequence[Finding]) -> Figure:
     return Figure(_name("ranges", first), f"{named(store, first)}, errors", caption, spec, columns, cells, how)
 
 
-def _depth(store: Store, group: Sequence[Finding]) -> Figure:
+def _depth(store: Store, group: Sequence[SensorFinding]) -> Figure:
     first = group[0]
-    rows: list[Row] = []
-    law: list[Row] = []
-    for finding in group:
-        if finding.levels is None:
-            continue
-        points = zip(
-            finding.levels.depth, finding.levels.sigma, finding.levels.low, finding.levels.high, finding.levels.law, strict=True
-        )
-        mine = [dict(zip(("depth", "value", "least", "most", "law"), map(float, point), strict=True)) for point in points]
-        law = law or [{key: point[key] for key in ("depth", "law")} for point in mine]
-        rows += [_said(store, finding) | point for point in mine]
+    rows, law = _points(store, group, "depth", "value", "law", "least", "most")
+    law = [{name: point[name] for name in ("depth", "law")} for point in law]
     x = channel("depth:Q", title="depth [m]", scale={"zero": False, "padding": 14})
     span = decades(row["value"] for row in rows)
 

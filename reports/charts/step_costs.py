@@ -1,11 +1,13 @@
 """The charts of what a step costs: its growth with the size of the scene, engine beside engine, and what the price buys."""
 
 from collections.abc import Sequence
+from operator import attrgetter
 from typing import Any
 
 from plumbline.harness.findings.costs import TELLING, Cost, Sweep, growth
 from plumbline.harness.findings.parameter_words import axis_title
 from plumbline.harness.findings.tables.scaling import Scaling
+from plumbline.harness.store.rows import grouped
 from plumbline.harness.store.store import Store
 from plumbline.reports.charts.figure import Figure
 from plumbline.reports.charts.grammar import Row, channel, chart, fixed
@@ -32,14 +34,15 @@ QUALITIES = 4
 def drawn(store: Store, row: Cost) -> Row:
     """A row for a chart, with the price in microseconds and penetration in micrometres."""
     assert row.cpu is not None
+    low, high = row.cpu.ends
     return {
         "engine": labels(store)[row.engine],
         "track": "default" if row.track == "default" else "other settings",
         "setting": visible(setting_words(store, row.engine, row.track))[:60],
         "scene": titled(store, row.case, row.where),
-        "cpu": 1e6 * row.cpu,
-        "low": 1e6 * (row.low or row.cpu),
-        "high": 1e6 * (row.high or row.cpu),
+        "cpu": 1e6 * row.cpu.value,
+        "low": 1e6 * low,
+        "high": 1e6 * high,
         "penetration": None if row.penetration is None else 1e6 * max(row.penetration, 1e-9),
         "residual": None if row.residual is None else 1e6 * row.residual,
         "status": row.status,
@@ -80,7 +83,7 @@ def growth_chart(store: Store, sweep: Sweep, index: int) -> Figure:
         mine = [row for row in sweep.rows if row.engine == engine and row.best]
         fit = growth(sweep, mine) if mine else None
         if fit is not None and fit.telling:
-            label = f"{short(labels(store)[engine])}: exponent {fit.exponent:.2f}"
+            label = f"{short(labels(store)[engine])}: exponent {fit.fit.order:.2f}"
             slopes.append(drawn(store, mine[-1]) | {"label": visible(label), "lane": 14 + LANE * len(slopes)})
     channels = style.channels() | {"tooltip": hover(("size", size))}
     layers = [
@@ -150,10 +153,8 @@ def standings(store: Store, scaling: Scaling) -> Figure | None:
 
 def qualities(store: Store, scaling: Scaling) -> list[Figure]:
     """Penetration against price, for the scenes in which most engines and settings have both."""
-    scenes: dict[tuple[str, str], list[Cost]] = {}
-    for row in scaling.costs:
-        if row.cpu is not None and row.penetration is not None and not row.beside:
-            scenes.setdefault((row.case, row.where), []).append(row)
+    both = (row for row in scaling.costs if row.cpu is not None and row.penetration is not None and not row.beside)
+    scenes = grouped(both, attrgetter("case", "where"))
     several = {scene: rows for scene, rows in scenes.items() if len({row.engine for row in rows}) > 1}
     richest = sorted(several, key=lambda scene: -len({row.engine for row in several[scene]}) * 1000 - len(several[scene]))
     chosen = [scene for scene in several if scene in richest[:QUALITIES]]

@@ -13,8 +13,8 @@ from plumbline.harness.history.readings import NightOf
 from plumbline.reports.charts.figure import Figure
 from plumbline.reports.charts.grammar import Row, channel, chart, hovering
 from plumbline.reports.charts.marks import POINT, finished
-from plumbline.reports.charts.palette import Look
-from plumbline.reports.charts.panels import Panel
+from plumbline.reports.charts.palette import EngineLook
+from plumbline.reports.charts.panels import TrendPanel
 from plumbline.reports.words.text import amount, plural, slug, visible
 
 NEUTRAL = "#8a93a0"
@@ -23,7 +23,9 @@ WIDE, HIGH, LEFT, TOP, BOTTOM = 220.0, 88.0, 34.0, 6.0, 70.0
 """Of a miniature, in its own units: the frame lies between LEFT and WIDE, TOP and BOTTOM; ticks of answers below."""
 
 
-def index_chart(panels: Sequence[Panel], nights: Sequence[NightOf], looks: Mapping[str, Look], title: str) -> Figure | None:
+def index_chart(
+    panels: Sequence[TrendPanel], nights: Sequence[NightOf], looks: Mapping[str, EngineLook], title: str
+) -> Figure | None:
     """The index of one panel, or of several, over the nights; None where none was clocked."""
     days = [_day(night.stamp) for night in nights]
     points: list[Row] = []
@@ -88,7 +90,7 @@ def index_chart(panels: Sequence[Panel], nights: Sequence[NightOf], looks: Mappi
     )
 
 
-def _rules(panel: Panel, nights: Sequence[NightOf], days: Sequence[str]) -> list[Row]:
+def _rules(panel: TrendPanel, nights: Sequence[NightOf], days: Sequence[str]) -> list[Row]:
     """Where the panel steps, and where its segments begin."""
     rows: list[Row] = [
         {"night": days[step.night], "kind": "step", "what": f"{panel.engine_title}: {amount(step.change.ratio)} times"}
@@ -102,7 +104,7 @@ def _rules(panel: Panel, nights: Sequence[NightOf], days: Sequence[str]) -> list
     return rows
 
 
-def _segment_starts(panel: Panel) -> list[tuple[int, int]]:
+def _segment_starts(panel: TrendPanel) -> list[tuple[int, int]]:
     there = np.flatnonzero(panel.segments >= 0).tolist()
     return [(a, b) for a, b in pairwise(there) if panel.segments[a] != panel.segments[b]]
 
@@ -112,7 +114,7 @@ def _day(stamp: str) -> str:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Miniature:
+class TrendMiniature:
     """A panel of a few strokes. Terms: engine; colour; dots, levels: of the price; steps: upright lines, each with a class;
     segments: dashed ones; ticks: nights of other bits, each with its place and height; up: marks of the upright axis; words:
     what it says to who cannot see it."""
@@ -128,7 +130,7 @@ class Miniature:
     words: str
 
 
-def miniature(panel: Panel, colour: str) -> Miniature:
+def miniature(panel: TrendPanel, colour: str) -> TrendMiniature:
     """The same as `index_chart` in a few strokes; prices beyond twice or half of all levels stand on the edge."""
     count = len(panel.index)
     values = panel.index[np.isfinite(panel.index)]
@@ -149,7 +151,7 @@ def miniature(panel: Panel, colour: str) -> Miniature:
         f"{panel.engine_title}: price now {amount(last)} times that of its first level, {len(panel.steps)} changes; "
         f"other bits on {len(panel.otherwise)} nights"
     )
-    return Miniature(
+    return TrendMiniature(
         engine=panel.engine_title,
         colour=colour,
         dots=dots,

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 
 from plumbline.harness.case.alteration import EVERYTHING
-from plumbline.harness.findings.tables.effects import Verdict
+from plumbline.harness.findings.tables.effects import EffectVerdict
 from plumbline.harness.store.store import Store
 from plumbline.reports.charts.figure import Figure
 from plumbline.reports.charts.grammar import Row, channel, chart, hovering
@@ -12,23 +12,18 @@ from plumbline.reports.words.catalogue import cases, labels
 from plumbline.reports.words.text import amount
 
 
-def _priced(verdicts: Sequence[Verdict]) -> list[Verdict]:
-    return [verdict for verdict in verdicts if verdict.verdict == EVERYTHING and verdict.cost is not None]
-
-
-def savings_chart(store: Store, verdicts: Sequence[Verdict]) -> Figure | None:
+def savings_chart(store: Store, verdicts: Sequence[EffectVerdict]) -> Figure | None:
     """The cost of everything on over that of each scene as it is, engine under engine; None where nothing was clocked."""
     rows: list[Row] = [
         {
             "engine": labels(store)[verdict.engine],
             "track": verdict.track,
-            "cost": verdict.cost,
-            "low": verdict.low,
-            "high": verdict.high,
+            **dict(zip(("cost", "low", "high"), verdict.cost or (), strict=True)),
             "case": f"{cases(store)[verdict.case]['title']} {verdict.where}".strip(),
             "trial": verdict.trial,
         }
-        for verdict in _priced(verdicts)
+        for verdict in verdicts
+        if verdict.verdict == EVERYTHING and verdict.cost is not None
     ]
     if not rows:
         return None
@@ -65,10 +60,10 @@ def savings_chart(store: Store, verdicts: Sequence[Verdict]) -> Figure | None:
     return Figure("savings-ratio", "What everything on costs", caption, finished(layers, height), columns, cells, how)
 
 
-def matrix(store: Store, verdicts: Sequence[Verdict]) -> list[tuple[str, str, Mapping[str, Sequence[Verdict]]]]:
+def matrix(store: Store, verdicts: Sequence[EffectVerdict]) -> list[tuple[str, str, Mapping[str, Sequence[EffectVerdict]]]]:
     """By scene (name, title) and engine, the verdicts that are worth a word: all but what is needed and on, or not and off."""
     quiet = ("needed and on", "left out", EVERYTHING, "left out together", "needed together")
-    made: dict[tuple[str, str], dict[str, list[Verdict]]] = {}
+    made: dict[tuple[str, str], dict[str, list[EffectVerdict]]] = {}
     for verdict in verdicts:
         title = cases(store)[verdict.case]["title"] + (f", {verdict.where}" if verdict.where else "")
         row = made.setdefault((verdict.case, title), {})

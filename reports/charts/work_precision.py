@@ -6,24 +6,24 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from plumbline.harness.findings.cost_point import Point
+from plumbline.harness.findings.cost_point import CostPoint
 from plumbline.harness.findings.prices import LEAST, PER_SECOND
 from plumbline.harness.store.store import Store
-from plumbline.reports.charts.figure import Figure, thin
+from plumbline.reports.charts.figure import Figure, tabled, thin
 from plumbline.reports.charts.grammar import Row, channel, chart, fixed, hovering
 from plumbline.reports.charts.marks import LANE, POINT, TRACKS, Marks, decades, finished, lane_names, lane_texts, logarithmic
 from plumbline.reports.charts.palette import looks
-from plumbline.reports.tables.priced_scenes import Scene, scenes
+from plumbline.reports.tables.price_list import PricedScene, scenes
 from plumbline.reports.words.catalogue import case_file, engines, labels, titled
 from plumbline.reports.words.status import outcome
-from plumbline.reports.words.text import TIMES, amount, duration, power, step, visible
+from plumbline.reports.words.text import TIMES, duration, power, step, visible
 
 WIDE, HIGH = 200, 132
 """Of a miniature, in its own units; LEFT and BELOW leave room for the numbers of its axes, MARGIN for its marks."""
 LEFT, BELOW, MARGIN = 34, 16, 6
 
 
-def drawn(store: Store, point: Point) -> Row:
+def drawn(store: Store, point: CostPoint) -> Row:
     """A point for the chart."""
     return {
         "engine": labels(store)[point.engine],
@@ -68,7 +68,7 @@ def cost_title(unit: str) -> str:
     return "CPU time per simulated second [s]" if unit == PER_SECOND else f"CPU time per {visible(unit)[:30]} [s]"
 
 
-def work_precision(store: Store, scene: Scene) -> Figure:
+def work_precision(store: Store, scene: PricedScene) -> Figure:
     """Speed, or a cost that is not per simulated second, over error; every trial is a point, or stands above the frame."""
     rows = [drawn(store, point) for point in scene.points]
     clocked = [row for row, point in zip(rows, scene.points, strict=True) if point.clocked]
@@ -111,33 +111,15 @@ def work_precision(store: Store, scene: Scene) -> Figure:
         + (" Small faint points were not clocked: their cost is a rough one." if rough else "")
         + (" Trials without an error or a cost are counted above the frame." if lanes else "")
     )
-    columns = (
-        "engine",
-        "setting",
-        "time step",
-        "error",
-        "truth off by",
-        "CPU time [s]",
-        "95 % from [s]",
-        "to [s]",
-        "timing",
-        "outcome",
-        "trial",
-    )
-    numbers = ("error", "off", "cost", "low", "high")
-    cells = [
-        [
-            *(row[key] for key in ("engine", "setting", "step")),
-            *(amount(row[key]) for key in numbers),
-            *(row[key] for key in ("timing", "status", "trial")),
-        ]
-        for row in rows
-    ]
+    named = ("engine", "engine"), ("setting", "setting"), ("time step", "step")
+    costs = ("CPU time [s]", "cost"), ("95 % from [s]", "low"), ("to [s]", "high")
+    ends = ("timing", "timing"), ("outcome", "status"), ("trial", "trial")
+    table = tabled(rows, *named, ("error", "error"), ("truth off by", "off"), *costs, *ends)
     title = f"{'Speed' if paced else 'Cost'} against error" + (f": {visible(scene.where)[:60]}" if scene.where else "")
-    return Figure(scene.name, title, caption, finished(layers, height=340), columns, cells, how)
+    return Figure(scene.name, title, caption, finished(layers, height=340), *table, how)
 
 
-def tallies(store: Store, scene: Scene) -> list[Row]:
+def tallies(store: Store, scene: PricedScene) -> list[Row]:
     """For each engine with trials that have no place on the chart: how many there are of each outcome."""
     rows: list[Row] = []
     for engine, trials in scene.silent.groupby("engine", sort=False):
@@ -153,7 +135,7 @@ def tallies(store: Store, scene: Scene) -> list[Row]:
 
 
 @dataclass(frozen=True, slots=True)
-class Miniature:
+class FrontMiniature:
     """A small picture of the fronts of one scene, on axes that all of them share.
 
     Terms:
@@ -170,7 +152,7 @@ class Miniature:
     silent: int
 
 
-def miniatures(store: Store) -> list[Miniature]:
+def miniatures(store: Store) -> list[FrontMiniature]:
     """One for each scene, all on the same axes."""
     fronts = [(scene, [point for point in scene.points if point.front]) for scene in scenes(store)]
     costs = [math.log10(point.cost) for scene, front in fronts for point in front if scene.unit == PER_SECOND]
@@ -195,7 +177,7 @@ def miniatures(store: Store) -> list[Miniature]:
     durations = [(up(exponent), duration(10.0**exponent)) for exponent in exponents]
     heights = {True: (paced, speeds), False: (up, durations)}
     return [
-        Miniature(
+        FrontMiniature(
             title=titled(store, scene.case, scene.where),
             address=f"{case_file(scene.case)}#{scene.name}",
             note="" if scene.unit == PER_SECOND else f"per {visible(scene.unit)[:30]}",
@@ -222,7 +204,7 @@ def share(log: float, low: int, high: int) -> float:
     return min(max((log - low) / (high - low), 0.0), 1.0)
 
 
-def placed(store: Store, front: Sequence[Point], across: Any, up: Any) -> Mapping[str, list[tuple[float, float]]]:
+def placed(store: Store, front: Sequence[CostPoint], across: Any, up: Any) -> Mapping[str, list[tuple[float, float]]]:
     """The places of each engine's front, by its colour, from accurate to cheap."""
     fronts: dict[str, list[tuple[float, float]]] = {}
     colours = looks(engines(store))

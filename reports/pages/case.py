@@ -10,7 +10,7 @@ from functools import partial
 import pandas as pd
 
 from plumbline.harness.findings.emulations import whose
-from plumbline.harness.findings.tables.orders import Convergence, convergences
+from plumbline.harness.findings.tables.orders import ObservedOrder, convergences
 from plumbline.harness.store.rows import records
 from plumbline.harness.store.store import Store
 from plumbline.reports.charts.errors import error_by_step
@@ -20,12 +20,10 @@ from plumbline.reports.html.template import fill
 from plumbline.reports.page import Page, Rendered
 from plumbline.reports.pictures.case_pictures import sight, thumbnails
 from plumbline.reports.recordings.layout import file_name
+from plumbline.reports.tables.engine_summary import leads
 from plumbline.reports.tables.own_scenes import by_case
-from plumbline.reports.tables.price_list import price_list
-from plumbline.reports.tables.priced_scenes import scenes
-from plumbline.reports.tables.reference_leads import leads
-from plumbline.reports.tables.trial_results import answers
-from plumbline.reports.tables.trial_rows import as_csv, in_order, is_file, listed, measured_of, metrics_of, trial
+from plumbline.reports.tables.price_list import price_list, scenes
+from plumbline.reports.tables.trial_results import answers, as_csv, in_order, is_file, listed, measured_of, metrics_of, trial
 from plumbline.reports.tables.verdicts import verdicts
 from plumbline.reports.words.altered_parameters import departures
 from plumbline.reports.words.catalogue import FAMILIES, case_file, cases, engines, setting_words, tracks
@@ -103,7 +101,7 @@ def _by_step(store: Store, name: str, rows: pd.DataFrame, asked: Collection[str]
     return error_by_step(store, rows[rows["trial"].isin(asked)], f"case-{slug(name)}", cases(store)[name]["headline"], unit)
 
 
-def orders(ladders: Sequence[Convergence], sides: list[tuple[str, str]]) -> list[Convergence]:
+def orders(ladders: Sequence[ObservedOrder], sides: list[tuple[str, str]]) -> list[ObservedOrder]:
     """The ladders that have a fit or need none, engine by engine and track by track."""
     listed = [row for row in ladders if row.fit is not None or row.verdict == "exact"]
     return sorted(listed, key=lambda row: sides.index((row.engine, row.track)))

@@ -1,10 +1,8 @@
 """The page on determinism: which repetitions give the same bits, and where those part that do not."""
 
 from collections.abc import Mapping
-from dataclasses import asdict
 
-from plumbline.harness.findings.tables import determinism as determinism_table
-from plumbline.harness.findings.tables.determinism import FIRST, agreements
+from plumbline.harness.findings.tables.determinism import FIRST, TABLE, repetitions
 from plumbline.harness.store.store import Store
 from plumbline.reports.html.template import fill
 from plumbline.reports.page import Page
@@ -19,7 +17,7 @@ def concerns(store: Store) -> bool:
 
 def render(store: Store) -> Mapping[str, str]:
     """The page and its table as CSV."""
-    rows = agreements(store)
+    rows = repetitions(store)
     ways = list(dict.fromkeys(row.way for row in rows if row.way not in (FIRST, "nudged") and not row.variables))
     libraries = dict(sorted({(row.way, row.variables) for row in rows if row.variables}))
     counted = {
@@ -39,7 +37,10 @@ def render(store: Store) -> Mapping[str, str]:
         growth=growth,
         found=rows,
     )
-    return {"determinism.html": page, "determinism.csv": sheet(determinism_table.TABLE.columns, map(asdict, rows))}
+    return {
+        "determinism.html": page,
+        "determinism.csv": sheet(TABLE.columns, map(TABLE.flat, rows)),
+    }
 
 
 PAGE = Page(name="determinism", title="Determinism", order=16, render=render, concerns=concerns)

@@ -1,10 +1,8 @@
 """The page on dominance: which changes of one knob beat 'tuned', the adapters' reasons, and what became of the rest."""
 
 from collections.abc import Mapping
-from dataclasses import asdict
 
-from plumbline.harness.findings.tables import dominance as dominance_table
-from plumbline.harness.findings.tables.dominance import DOMINATED, EXCUSED, IDLE, changes
+from plumbline.harness.findings.tables.dominance import DOMINATED, EXCUSED, IDLE, TABLE, changes
 from plumbline.harness.store.store import Store
 from plumbline.reports.html.template import fill
 from plumbline.reports.page import Page, Rendered
@@ -42,7 +40,10 @@ def render(store: Store) -> Mapping[str, Rendered]:
         excused=EXCUSED,
         idle=IDLE,
     )
-    return {"dominance.html": page, "dominance.csv": sheet(dominance_table.TABLE.columns, map(asdict, found))}
+    return {
+        "dominance.html": page,
+        "dominance.csv": sheet(TABLE.columns, map(TABLE.flat, found)),
+    }
 
 
 PAGE = Page(name="dominance", title="Dominance", order=15, render=render, concerns=concerns)

@@ -1,12 +1,10 @@
 """The page on effects: what each costs, what its absence does, and whether each scene calls for exactly what it needs."""
 
 from collections.abc import Mapping
-from dataclasses import asdict
 
 from plumbline.harness.case.alteration import EVERYTHING
 from plumbline.harness.findings.effects_audit import audit, savings
-from plumbline.harness.findings.tables import effects as effects_table
-from plumbline.harness.findings.tables.effects import verdicts
+from plumbline.harness.findings.tables.effects import TABLE, verdicts
 from plumbline.harness.store.store import Store
 from plumbline.reports.charts.unneeded_effects import matrix, savings_chart
 from plumbline.reports.html.template import fill
@@ -23,7 +21,7 @@ def concerns(store: Store) -> bool:
 def render(store: Store) -> Mapping[str, Rendered]:
     """The page, its chart and its table as CSV."""
     judged = verdicts(store)
-    rows = [asdict(verdict) for verdict in judged]
+    rows = [*map(TABLE.flat, judged)]
     figure = savings_chart(store, judged)
     page = fill(
         "effects.html",
@@ -37,7 +35,7 @@ def render(store: Store) -> Mapping[str, Rendered]:
         matrix=matrix(store, judged),
         found=[verdict for verdict in judged if verdict.verdict != EVERYTHING],
     )
-    sheets = {"effects.csv": sheet(effects_table.TABLE.columns, rows)}
+    sheets = {"effects.csv": sheet(TABLE.columns, rows)}
     return {"effects.html": page} | sheets | ({figure.path: figure} if figure is not None else {})
 
 

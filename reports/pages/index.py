@@ -5,22 +5,22 @@ from dataclasses import replace
 from functools import partial
 
 from plumbline.harness.findings.emulations import whose
+from plumbline.harness.findings.selection.rank import DRAWS
 from plumbline.harness.store.store import Store
+from plumbline.reports.charts.error_against_speed import error_against_speed
 from plumbline.reports.charts.errors import across_cases
-from plumbline.reports.charts.typical_case import typical_case
 from plumbline.reports.html.template import fill
 from plumbline.reports.page import Page, Rendered
 from plumbline.reports.standalone.history_news import history_news
-from plumbline.reports.tables.engine_cases import tracks_of
 from plumbline.reports.tables.engine_summary import Glance, glances
 from plumbline.reports.tables.failures import failing
-from plumbline.reports.tables.limits_met import limits_met
+from plumbline.reports.tables.limit_table import limits_met
 from plumbline.reports.tables.own_scenes import by_case
 from plumbline.reports.tables.published import published_table
 from plumbline.reports.tables.selection import needs
 from plumbline.reports.tables.summary import sentences
 from plumbline.reports.tables.trial_results import answers, at_own_step
-from plumbline.reports.tables.verdicts import cells_by_family, verdicts
+from plumbline.reports.tables.verdicts import cells_by_family, tracks_of, verdicts
 from plumbline.reports.words.catalogue import cases, compared_tracks, engines, named_tracks, setting_words
 from plumbline.reports.words.status import STATUSES, VERDICTS
 
@@ -59,15 +59,16 @@ def render(store: Store) -> Mapping[str, Rendered]:
     for glance in glances(store):
         sides.setdefault(glance.engine, {})[glance.track] = glance
     purposes = needs(store)
-    typical = typical_case(store) if purposes else None
+    picture = error_against_speed(store) if purposes else None
     page = fill(
         "index.html",
         store,
         title=store.study.get("title") or store.study.get("name", "Report"),
         described=bool(store.catalogue),
         needs=purposes,
+        draws=DRAWS,
         sentences=sentences(store),
-        typical=typical,
+        picture=picture,
         ranked=[name for name in engines(store) if any(name in need.standings for need in purposes)],
         failures=failing(store),
         limits=limits_met(store),
@@ -94,7 +95,7 @@ def render(store: Store) -> Mapping[str, Rendered]:
         machine=store.machine,
         trials=len(store.trials),
     )
-    return {"index.html": page} | {figure.path: figure for figure in (typical, *figures) if figure is not None}
+    return {"index.html": page} | {figure.path: figure for figure in (picture, *figures) if figure is not None}
 
 
 PAGE = Page(name="index", title="Overview", order=0, render=render)

@@ -13,7 +13,7 @@ from plumbline.reports.charts.limit_maps import maps
 from plumbline.reports.html.template import fill
 from plumbline.reports.page import Page, Rendered
 from plumbline.reports.tables.csv import sheet
-from plumbline.reports.tables.limit_table import Line, lines, standings
+from plumbline.reports.tables.limit_table import AxisLine, lines, standings
 from plumbline.reports.tables.remedies import helped, in_words, tally
 from plumbline.reports.words.catalogue import cases, engines, families
 
@@ -51,7 +51,7 @@ def render(store: Store) -> Mapping[str, Rendered]:
     return {"limits.html": page} | sheets | {figure.path: figure for figure in drawn}
 
 
-def _groups(store: Store, shown: Sequence[Line]) -> list[tuple[str, list[Line]]]:
+def _groups(store: Store, shown: Sequence[AxisLine]) -> list[tuple[str, list[AxisLine]]]:
     """The axes of each family of cases, families in their usual order."""
     groups = [(title, {case["name"] for case in listed}) for title, listed in families(store)]
     return [(title, mine) for title, names in groups if (mine := [line for line in shown if line.case in names])]

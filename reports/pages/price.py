@@ -22,8 +22,7 @@ from plumbline.reports.html.template import fill
 from plumbline.reports.page import Page, Rendered
 from plumbline.reports.tables.csv import sheet
 from plumbline.reports.tables.limit_table import standings
-from plumbline.reports.tables.price_list import SHOWN, price_list, tried, wins
-from plumbline.reports.tables.priced_scenes import scenes
+from plumbline.reports.tables.price_list import SHOWN, price_list, scenes, tried, wins
 from plumbline.reports.words.catalogue import ours
 from plumbline.reports.words.text import power
 
@@ -66,9 +65,9 @@ def render(store: Store) -> Mapping[str, Rendered]:
     )
     figures = [*profiles, *([largest] if largest is not None else [])]
     sheets = {
-        "price.csv": sheet(prices_table.TABLE.columns, map(asdict, prices)),
-        "profile.csv": sheet(profile_table.TABLE.columns, map(profile_table.flat, shares)),
-        "steps.csv": sheet(steps_table.TABLE.columns, map(asdict, steps)),
+        "price.csv": sheet(prices_table.TABLE.columns, map(prices_table.TABLE.flat, prices)),
+        "profile.csv": sheet(profile_table.TABLE.columns, map(profile_table.TABLE.flat, shares)),
+        "steps.csv": sheet(steps_table.TABLE.columns, map(steps_table.TABLE.flat, steps)),
     }
     return {"price.html": page} | sheets | {figure.path: figure for figure in figures}
 

@@ -1,9 +1,10 @@
 """The page on cost: what a step, a ray or a world costs, how that grows with the scene, and what the price buys."""
 
 from collections.abc import Mapping, Sequence
-from functools import lru_cache, partial
+from functools import partial
 
 from plumbline.harness.findings.costs import TELLING, Cost
+from plumbline.harness.findings.once import once
 from plumbline.harness.findings.tables.scaling import COLUMNS, Scaling
 from plumbline.harness.statistics.order import FEWEST
 from plumbline.harness.store.store import Store
@@ -13,7 +14,7 @@ from plumbline.reports.page import Page, Rendered
 from plumbline.reports.tables.csv import sheet
 from plumbline.reports.words.catalogue import engines, ours, setting_words, titled
 
-_scaling = lru_cache(maxsize=1)(Scaling)
+_scaling = once(Scaling)
 
 
 def concerns(store: Store) -> bool:

@@ -6,12 +6,12 @@ from dataclasses import dataclass
 from pathlib import PurePath
 from typing import Any
 
-from plumbline.harness.findings.agreement import Agreement, balances, foreseeable_until, horizon_of, outlooks
 from plumbline.harness.findings.agreement.costs import best_price, best_setting, cost_words
 from plumbline.harness.findings.agreement.happened import happened_words, happenings
-from plumbline.harness.findings.agreement.perturbed_starts import LAWS
+from plumbline.harness.findings.agreement.perturbed_starts import LAWS, balances, foreseeable_until, horizon_of, outlooks
 from plumbline.harness.findings.agreement.setting_causes import cause_words, settings_turned
 from plumbline.harness.findings.agreement.unresolved import unresolved_words
+from plumbline.harness.findings.agreement.values import Agreement
 from plumbline.harness.findings.agreement.words import cut_words, headline, listed, metres, side_words
 from plumbline.harness.findings.tables import agreement as agreement_table
 from plumbline.harness.findings.tables.fidelity import of_element
@@ -29,13 +29,11 @@ from plumbline.reports.pictures.answer_pictures import Drawn
 from plumbline.reports.pictures.case_pictures import Sight, sight
 from plumbline.reports.recordings.layout import file_name
 from plumbline.reports.tables.csv import sheet
-from plumbline.reports.tables.own_scenes import by_case, shown, summary, titles
-from plumbline.reports.tables.price_list import price_list
-from plumbline.reports.tables.priced_scenes import scenes
-from plumbline.reports.tables.trial_results import answers
-from plumbline.reports.tables.trial_rows import as_csv, in_order, is_file, measured_of, metrics_of, trial
+from plumbline.reports.tables.own_scenes import by_case, shown, summary
+from plumbline.reports.tables.price_list import price_list, scenes
+from plumbline.reports.tables.trial_results import answers, as_csv, in_order, is_file, measured_of, metrics_of, trial
 from plumbline.reports.words.altered_parameters import departures
-from plumbline.reports.words.catalogue import FAMILIES, case_file, cases, engines, tracks
+from plumbline.reports.words.catalogue import FAMILIES, case_file, cases, engines, titles, tracks
 from plumbline.reports.words.emulated_features import laws_of_case
 from plumbline.reports.words.status import FINITE, STATUSES, VERDICTS
 from plumbline.reports.words.text import slug
@@ -129,7 +127,7 @@ def render(store: Store) -> Mapping[str, Rendered]:
 
 
 @dataclass(frozen=True, slots=True)
-class Answer:
+class SceneAnswer:
     """One question that a person asks of a scene of theirs. Terms: leads: to the part of the page that shows it whole. picture:
     None where there is nothing to draw."""
 
@@ -139,7 +137,7 @@ class Answer:
     picture: Drawn | None
 
 
-def answers_of(store: Store, agreement: Agreement, seen: Sight) -> list[Answer]:
+def answers_of(store: Store, agreement: Agreement, seen: Sight) -> list[SceneAnswer]:
     """What the first screen says, in the order in which it is needed to act."""
     names = titles(store)
     runs = dict.fromkeys(side.engine for side in agreement.sides if side.word not in ("cannot", "diverged"))
@@ -168,13 +166,13 @@ def answers_of(store: Store, agreement: Agreement, seen: Sight) -> list[Answer]:
     agree = [headline(agreement, names), *unresolved_words(agreement), *cut_words(agreement, names)]
     nowhere = "No setting is known to err by 1 % or less."
     return [
-        Answer("Does it run?", tuple(ended), "trials", runs_at),
-        Answer("Do they agree?", tuple(agree), "agreement", apart),
-        Answer("Who is off, and why?", tuple(who) or ("Nobody.",), "parting" if seen.parting else "agreement", closed),
-        Answer(
+        SceneAnswer("Does it run?", tuple(ended), "trials", runs_at),
+        SceneAnswer("Do they agree?", tuple(agree), "agreement", apart),
+        SceneAnswer("Who is off, and why?", tuple(who) or ("Nobody.",), "parting" if seen.parting else "agreement", closed),
+        SceneAnswer(
             "What does accuracy cost?", tuple(costs) or ("Nothing was clocked at a limit that is agreed.",), "charts", cheap
         ),
-        Answer("What to set?", (best or nowhere,), "charts", fast),
+        SceneAnswer("What to set?", (best or nowhere,), "charts", fast),
     ]
 
 

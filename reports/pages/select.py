@@ -3,14 +3,21 @@
 from collections.abc import Mapping
 from functools import partial
 
-from plumbline.harness.findings.selection import CRITERIA, listing
-from plumbline.harness.findings.selection.rank import DRAWS
-from plumbline.harness.findings.selection.words import decisive, dropped_sentence, headline, trade, turn_sentences
+from plumbline.harness.findings.selection import CRITERIA, listing, read_preset
+from plumbline.harness.findings.selection.words import COLUMN_WORDS, dropped_sentence, headline
 from plumbline.harness.store.store import Store
 from plumbline.reports.html.template import fill
 from plumbline.reports.page import Page
 from plumbline.reports.tables.csv import sheet
-from plumbline.reports.tables.selection import answer, answers_by_purpose, asked_of_several, evidence_rows, live, standings
+from plumbline.reports.tables.selection import (
+    answer,
+    answers_by_purpose,
+    asked_of_several,
+    evidence_rows,
+    live,
+    notes_and_command,
+    standings,
+)
 from plumbline.reports.words.catalogue import FAMILIES, cases, engine_title, setting_words
 
 
@@ -27,7 +34,7 @@ def render(store: Store) -> Mapping[str, str]:
         return FAMILIES[name].lower() if name in FAMILIES else str(known[name]["title"])
 
     rows = evidence_rows(store)
-    what, command = decisive(found, titled, called)
+    notes, command = notes_and_command(store, found)
     placed = [place.engine for place in found.rank.places] if found.rank is not None else []
     elsewhere = dict.fromkeys(name for each in answers_by_purpose(store).values() for name in each.evidence.engines)
     page = fill(
@@ -36,12 +43,11 @@ def render(store: Store) -> Mapping[str, str]:
         title="Which engine",
         standings=standings(store, found),
         others=[name for name in elsewhere if name not in placed],
-        draws=DRAWS,
-        trade=trade(found, titled),
-        decisive=what,
+        words=COLUMN_WORDS,
+        purposes=[(name, read_preset(name).title) for name in answers_by_purpose(store)],
+        notes=notes,
         command=command,
         headline=headline(found, titled),
-        turns=turn_sentences(found.turns, titled, called),
         dropped=[dropped_sentence(drop, titled, called) for drop in found.dropped],
         criteria={name: meaning for name, meaning in CRITERIA.items() if any(key[0] == name for key in found.evidence.table)},
         rows=[row for row in rows if row[1].value < 1],

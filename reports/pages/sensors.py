@@ -11,7 +11,7 @@ from plumbline.reports.html.template import fill
 from plumbline.reports.page import Page, Rendered
 from plumbline.reports.pictures.camera_pictures import shots
 from plumbline.reports.tables.csv import sheet
-from plumbline.reports.tables.trial_rows import rows_shown
+from plumbline.reports.tables.trial_results import rows_shown
 from plumbline.reports.words.catalogue import TRACK_ORDER, titled, titles
 
 

@@ -7,9 +7,8 @@ from plumbline.harness.store.store import Store
 from plumbline.reports.charts.errors import error_by_step
 from plumbline.reports.charts.figure import Figure
 from plumbline.reports.charts.work_precision import work_precision
-from plumbline.reports.tables.priced_scenes import scenes
-from plumbline.reports.tables.trial_results import answers
-from plumbline.reports.tables.trial_rows import in_order
+from plumbline.reports.tables.price_list import scenes
+from plumbline.reports.tables.trial_results import answers, in_order
 from plumbline.reports.words.catalogue import cases, engines, tracks
 from plumbline.reports.words.text import slug
 

@@ -9,15 +9,16 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from textwrap import shorten
 
-from plumbline.harness.findings.agreement import Agreement, Side, errors_of, ways
 from plumbline.harness.findings.agreement.costs import WITHIN, at_target
+from plumbline.harness.findings.agreement.found import errors_of, ways
 from plumbline.harness.findings.agreement.setting_causes import CLOSES, Turned
+from plumbline.harness.findings.agreement.values import Agreement, Side
 from plumbline.harness.findings.agreement.words import share
 from plumbline.harness.findings.prices import Price
 from plumbline.harness.store.store import Store
 from plumbline.reports.charts.marks import short
-from plumbline.reports.charts.palette import Look, looks
-from plumbline.reports.charts.work_precision import Miniature
+from plumbline.reports.charts.palette import EngineLook, looks
+from plumbline.reports.charts.work_precision import FrontMiniature
 from plumbline.reports.pictures.motion_chart import Panel, Series, over_time
 from plumbline.reports.words.catalogue import engines, labels
 from plumbline.reports.words.status import outcome
@@ -48,7 +49,7 @@ class Line:
     """A row. Terms: ours: of the reference engine. y: of its middle. bar: how far it goes, None without. words: at its end."""
 
     label: str
-    look: Look
+    look: EngineLook
     hollow: bool
     ours: bool
     strong: bool
@@ -77,7 +78,7 @@ class Drawn:
 
     rows: Rows | None = None
     panel: Panel | None = None
-    fronts: Miniature | None = None
+    fronts: FrontMiniature | None = None
     caption: str = ""
 
 
@@ -189,7 +190,7 @@ def _off(side: Side) -> float | None:
     return side.distance if side.distance is not None else None if moved is None else float(moved[-1])
 
 
-def fronts(scenes: Sequence[Miniature], cost: Drawn | None) -> Drawn | None:
+def fronts(scenes: Sequence[FrontMiniature], cost: Drawn | None) -> Drawn | None:
     """Speed over error; where nothing was clocked, the least errors."""
     if not any(front.lines for front in scenes):
         return cost

@@ -8,8 +8,8 @@ import numpy as np
 from markupsafe import Markup
 from numpy.typing import NDArray
 
-from plumbline.harness.findings.sensor_readings.findings import Finding
-from plumbline.harness.findings.sensor_readings.picture import Picture
+from plumbline.harness.findings.sensor_readings.findings import SensorFinding
+from plumbline.harness.findings.sensor_readings.picture import CameraPicture
 from plumbline.harness.store.store import Store
 from plumbline.reports.charts.ideal_signals import reading
 from plumbline.reports.recordings.pixels import data_uri, shaded, srgb
@@ -45,16 +45,16 @@ class Shot:
     tiles: Sequence[Tile]
 
 
-def shots(store: Store, findings: Iterable[Finding]) -> list[Shot]:
+def shots(store: Store, findings: Iterable[SensorFinding]) -> list[Shot]:
     """One for each camera and channel that was seen."""
-    groups: dict[tuple[str, str, str, str], list[Finding]] = {}
+    groups: dict[tuple[str, str, str, str], list[SensorFinding]] = {}
     for finding in findings:
         if finding.picture is not None:
             groups.setdefault((finding.case, finding.where, finding.sensor, finding.channel), []).append(finding)
     return [_shot(store, group) for group in groups.values()]
 
 
-def _shot(store: Store, group: Sequence[Finding]) -> Shot:
+def _shot(store: Store, group: Sequence[SensorFinding]) -> Shot:
     first = group[0]
     pictures = [finding.picture for finding in group if finding.picture is not None]
     truth = next((picture.truth for picture in pictures if picture.truth is not None), None)
@@ -81,7 +81,7 @@ def _shot(store: Store, group: Sequence[Finding]) -> Shot:
     )
 
 
-def _bounds(pictures: Sequence[Picture], truth: Floats | None) -> tuple[float, float]:
+def _bounds(pictures: Sequence[CameraPicture], truth: Floats | None) -> tuple[float, float]:
     """Nearest and farthest depth [m] of the truth or, without one, of all that was seen without noise; outliers left out."""
     depths = [truth] if truth is not None else [p.seen if p.ideal is None else p.ideal for p in pictures]
     finite = np.concatenate([depth[np.isfinite(depth)].ravel() for depth in depths])
@@ -91,9 +91,9 @@ def _bounds(pictures: Sequence[Picture], truth: Floats | None) -> tuple[float, f
     return float(low), float(high)
 
 
-def _alike(group: Sequence[Finding]) -> list[tuple[Finding, Sequence[str]]]:
+def _alike(group: Sequence[SensorFinding]) -> list[tuple[SensorFinding, Sequence[str]]]:
     """Engine by engine the pictures that differ, each with the settings under which it was seen."""
-    made: list[tuple[Finding, list[str]]] = []
+    made: list[tuple[SensorFinding, list[str]]] = []
     for finding in group:
         twin = next(
             (tracks for other, tracks in made if other.engine == finding.engine and _same(other.picture, finding.picture)), None
@@ -105,5 +105,5 @@ def _alike(group: Sequence[Finding]) -> list[tuple[Finding, Sequence[str]]]:
     return [(finding, tuple(tracks)) for finding, tracks in made]
 
 
-def _same(a: Picture | None, b: Picture | None) -> bool:
+def _same(a: CameraPicture | None, b: CameraPicture | None) -> bool:
     return a is not None and b is not None and np.array_equal(a.seen, b.seen, equal_nan=True)

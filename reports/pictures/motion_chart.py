@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from plumbline.reports.charts.palette import Look
+from plumbline.reports.charts.palette import EngineLook
 from plumbline.reports.pictures.motion import Line, Motion
 from plumbline.reports.recordings.rotation import Floats
 from plumbline.reports.words.text import amount, power
@@ -48,7 +48,7 @@ class Panel:
     alt: str
 
 
-def overview(motion: Motion, looks: dict[str, Look]) -> Panel:
+def overview(motion: Motion, looks: dict[str, EngineLook]) -> Panel:
     """All runs over one another, behind them the truth with the band that its check allows."""
     series = [(line.time, line.values) for line in motion.lines] + ([motion.truth] if len(motion.truth[0]) else [])
     told = motion.truth[1] if len(motion.truth[0]) else None
@@ -84,7 +84,7 @@ def over_time(series: Sequence[Series], limit: float | None, alt: str, *, width:
     return scale.panel(alt, tuple(strokes), "", None if bound is None else scale.y(bound), alt)
 
 
-def apart(motion: Motion, looks: dict[str, Look], titles: dict[str, str]) -> tuple[Panel, ...]:
+def apart(motion: Motion, looks: dict[str, EngineLook], titles: dict[str, str]) -> tuple[Panel, ...]:
     """A panel for each engine, on common axes: its distance from the truth, or the quantity itself where none is told."""
     off = bool(motion.off_title)
     values = [line.off if off else line.values for line in motion.lines]
@@ -156,7 +156,7 @@ class _Scale:
         return Panel(title, self.width, self.height, self.box, across, up, strokes, band, limit, alt)
 
 
-def _stroke(scale: _Scale, line: Line, time: Floats, values: Floats, looks: dict[str, Look]) -> Stroke:
+def _stroke(scale: _Scale, line: Line, time: Floats, values: Floats, looks: dict[str, EngineLook]) -> Stroke:
     return Stroke(scale.path(time, values), looks[line.engine].colour, line.track == "default")
 
 

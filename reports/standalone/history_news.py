@@ -9,7 +9,7 @@ from plumbline.harness.findings.changes import Change
 from plumbline.harness.findings.changes.words import sentence, titled
 from plumbline.harness.store.store import Store
 from plumbline.reports.standalone.what_changed import PAGE
-from plumbline.reports.tables.trial_rows import is_file
+from plumbline.reports.tables.trial_results import is_file
 from plumbline.reports.words.catalogue import titles
 
 SHOWN = 4

@@ -11,8 +11,8 @@ from plumbline.harness.history.series import Series
 from plumbline.harness.store.disk import make_folder, write_atomically
 from plumbline.reports.charts.figure import Figure
 from plumbline.reports.charts.palette import looks
-from plumbline.reports.charts.panels import Panel, engine_panels, panels
-from plumbline.reports.charts.trends import Miniature, index_chart, miniature
+from plumbline.reports.charts.panels import TrendPanel, engine_panels, panels
+from plumbline.reports.charts.trends import TrendMiniature, index_chart, miniature
 from plumbline.reports.html.drawing import Drawing
 from plumbline.reports.html.policy import guarded
 from plumbline.reports.html.style import copy_style
@@ -31,7 +31,7 @@ class _Case:
     """A row of miniatures. Terms: changed: does any of them have a step?"""
 
     title: str
-    miniatures: tuple[Miniature, ...]
+    miniatures: tuple[TrendMiniature, ...]
     changed: bool
 
 
@@ -71,12 +71,12 @@ def trends_page(trends: Trends) -> tuple[str, tuple[Figure, ...]]:
     return guarded(page), figures
 
 
-def _changed_charts(trends: Trends, every: Sequence[Panel], by_engine: Sequence[Panel]) -> list[Figure | None]:
+def _changed_charts(trends: Trends, every: Sequence[TrendPanel], by_engine: Sequence[TrendPanel]) -> list[Figure | None]:
     """A chart for each case on an engine that has a step, those that stand first, then the newest."""
     standing = {(one.first.case, one.first.engine): one for one in trends.dated if one.first.kind == "price"}
     chosen = looks(panel.engine for panel in by_engine)
 
-    def weight(panel: Panel) -> tuple[bool, int]:
+    def weight(panel: TrendPanel) -> tuple[bool, int]:
         dated = standing.get((panel.case, panel.engine))
         return dated is None or dated.state != "open", -max(step.night for step in panel.steps)
 
@@ -88,9 +88,9 @@ def _changed_charts(trends: Trends, every: Sequence[Panel], by_engine: Sequence[
     ]
 
 
-def _families(every: Sequence[Panel]) -> list[_Family]:
+def _families(every: Sequence[TrendPanel]) -> list[_Family]:
     chosen = looks(dict.fromkeys(panel.engine for panel in every))
-    cases: dict[str, list[Panel]] = {}
+    cases: dict[str, list[TrendPanel]] = {}
     for panel in every:
         cases.setdefault(panel.case, []).append(panel)
     families: dict[str, list[_Case]] = {}

@@ -84,8 +84,10 @@
       const mixed = weights.map((weight) => weight * Math.exp(doubt * normal(random)));
       const found = scores(left, known, moved, drawn, mixed), best = Math.max(...found);
       const leaders = found.filter((s) => s >= best - EQUAL).length;
-      found.forEach((s, a) => s >= best - EQUAL && (first[a] += 1 / leaders / draws));
+      found.forEach((s, a) => s >= best - EQUAL && (first[a] += 1 / leaders));
     }
+    // Divided once, as rank.py does: a sum of shares would round another way, and 67.5 % be another whole number.
+    for (const a of first.keys()) first[a] /= draws;
     const names = left.map((e) => wish.purpose.engines[e].name);
     const order = left.map((_, a) => a).sort((a, b) => first[b] - first[a] || middle[b] - middle[a] || (names[a] < names[b] ? -1 : 1));
     return { places: order.map((a) => ({ engine: left[a], column: a, score: middle[a], first: first[a] })), known };
@@ -149,6 +151,7 @@
     const out = [...reasons].map(([e, why]) => (why === NOTHING ? filled("expressed", { engine: engines[e].title }) : `${engines[e].title} is excluded: ${why}.`));
     for (const [e, what] of open) if (!reasons.has(e)) out.push(`Of ${engines[e].title} it is not known: ${what}.`);
     document.getElementById("left-out").textContent = out.join(" ");
+    document.getElementById("purpose").textContent = wish.purpose.name ? wish.purpose.title : "All cases alike";
     document.getElementById("why").textContent = wish.purpose.name ? `${wish.purpose.title}: ${wish.purpose.why}` : "";
     const { places, known } = left.length ? rank(left) : { places: [], known: { has: [] } };
     document.getElementById("headline").textContent = headline(places, known, reasons).replaceAll(" %", "\u00a0%");
@@ -156,20 +159,27 @@
     const columns = [...document.querySelectorAll("#places th[data-criterion]")].map((head) => head.dataset.criterion);
     for (const row of rows.values()) row.hidden = true;
     places.forEach((place, at) => {
-      const { name, setting, typical } = engines[place.engine], row = rows.get(name);
+      const { name, setting, shown } = engines[place.engine], row = rows.get(name);
       row.hidden = false;
-      const cells = [at + 1, null, setting, places.length > 1 ? percent(place.first) : "\u2013", ...typical.map((figure) => figure || "\u2013"), place.score.toFixed(2)];
+      const cells = [at + 1, null, setting, places.length > 1 ? percent(place.first) : "\u2013", ...shown.map((figure) => figure || "\u2013"), place.score.toFixed(2)];
       cells.push(...columns.map((criterion) => meanOf(known, criterion, place.column)));
       cells.forEach((text, cell) => text !== null && (row.cells[cell].textContent = text));
       body.append(row);
     });
-    // What was said of equal weights holds of these alone.
-    document.getElementById("turns").hidden = touched;
+    // What is said beside an answer holds of the purpose's own weights alone.
+    document.getElementById("turns").replaceChildren(...(touched ? [] : wish.purpose.notes).map((text) => {
+      const item = document.createElement("li");
+      item.textContent = text;
+      return item;
+    }));
+    const command = document.getElementById("command");
+    command.hidden = touched || !wish.purpose.command;
+    command.textContent = wish.purpose.command;
   };
 
   let touched = false, waiting = 0;
-  const changed = () => {
-    touched = true;
+  const changed = (own = true) => {
+    touched = own;
     clearTimeout(waiting);
     waiting = setTimeout(show, 60);
   };
@@ -230,7 +240,7 @@
     wish.weights = [...wish.purpose.weights];
     for (const { name: criterion, input, output } of sliders)
       input.value = output.textContent = wish.weights[wish.purpose.criteria.indexOf(criterion)] ?? 0;
-    changed();
+    changed(false);
   };
   preset.addEventListener("change", () => choose(preset.value));
   feature.addEventListener("change", () => {

@@ -3,12 +3,12 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 
-from plumbline.harness.findings.causes import FAILED, Answer, Cause, causes
+from plumbline.harness.findings.causes import FAILED, CaseResult, Cause, causes
+from plumbline.harness.findings.once import once
 from plumbline.harness.store.store import Store
 from plumbline.reports.tables.own_scenes import by_case
-from plumbline.reports.tables.verdicts import Verdict, verdicts
+from plumbline.reports.tables.verdicts import CaseVerdict, verdicts
 from plumbline.reports.words.catalogue import cases, engines, named_tracks, setting_words
 from plumbline.reports.words.known_findings import by_engine
 from plumbline.reports.words.text import join_words, plural
@@ -20,7 +20,7 @@ class Failing:
 
     case: str
     title: str
-    cell: Verdict
+    cell: CaseVerdict
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,21 +37,21 @@ class Failure:
     cases: Sequence[Failing]
 
 
-@lru_cache(maxsize=2)
+@once
 def failing(store: Store) -> tuple[Failure, ...]:
     """All causes of failures at the cases' own steps, on the tracks that the study names, engine by engine and track by track;
     in each cause the heaviest first."""
     apart, named = by_case(store), named_tracks(store)
     cells = {key: cell for key, cell in verdicts(store).items() if key[0] not in apart and key[2] in named and cell.trial}
     answers = [
-        Answer(case, engine, track, cell.trial, cell.own.name if cell.own.name in (*FAILED, "passed") else "")
+        CaseResult(case, engine, track, cell.trial, cell.own.name if cell.own.name in (*FAILED, "passed") else "")
         for (case, engine, track), cell in cells.items()
     ]
     shelf = [finding for group in by_engine(store).values() for finding in group]
     return tuple(_worded(store, cause, cells) for cause in causes(store, answers, shelf))
 
 
-def _worded(store: Store, cause: Cause, cells: dict[tuple[str, str, str], Verdict]) -> Failure:
+def _worded(store: Store, cause: Cause, cells: dict[tuple[str, str, str], CaseVerdict]) -> Failure:
     listed = [
         Failing(answer.case, str(cases(store)[answer.case]["title"]), cells[answer.case, answer.engine, answer.track])
         for answer in cause.failures

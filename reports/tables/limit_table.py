@@ -1,17 +1,21 @@
-"""How far engines go, as people read it: a line for each axis, and who leads under each condition."""
+"""How far engines go, as people read it: a line for each axis, of each case the axis that breaks first, and who leads under
+each condition.
+"""
 
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from operator import attrgetter
 from textwrap import shorten
 
 from plumbline.harness.findings.emulations import whose
 from plumbline.harness.findings.leads import Lead, Reach, reaches
-from plumbline.harness.findings.limits_found import CONSTANT, Search
+from plumbline.harness.findings.limits_found import CONSTANT, Search, searches_if_described
 from plumbline.harness.findings.parameter_words import called
 from plumbline.harness.metric.titles import metric_title
+from plumbline.harness.store.rows import grouped
 from plumbline.harness.store.store import Store
-from plumbline.reports.words.catalogue import cases
+from plumbline.reports.words.catalogue import cases, engines
 from plumbline.reports.words.disputes import disputed
 from plumbline.reports.words.text import amount, plural
 
@@ -22,7 +26,7 @@ VERDICTS = {"beyond the extreme": "held to the end of the axis", "not even the e
 
 
 @dataclass(frozen=True, slots=True)
-class Cell:
+class LimitCell:
     """Where one engine ends: in words, why, and what hovering says. curve: its error along the axis, as points of a line."""
 
     reach: float
@@ -33,25 +37,22 @@ class Cell:
 
 
 @dataclass(frozen=True, slots=True)
-class Line:
+class AxisLine:
     """One axis, with a cell for each engine under each condition: a sub-step, a CPU time, or a track as it comes."""
 
     case: str
     title: str
     axis: str
     conditions: Sequence[str]
-    cells: Mapping[tuple[str, str], Cell]
+    cells: Mapping[tuple[str, str], LimitCell]
 
 
-def lines(store: Store, searches: Sequence[Search]) -> list[Line]:
+def lines(store: Store, searches: Sequence[Search]) -> list[AxisLine]:
     """A line for each axis; what was sought for a map stands there alone."""
     on_maps = {(search.experiment, search.case) for _, group in mapped(searches) for search in group}
-    by_axis: dict[tuple[str, str, str], list[Search]] = {}
-    for search in searches:
-        if (search.experiment, search.case) not in on_maps:
-            by_axis.setdefault((search.experiment, search.case, search.where), []).append(search)
     made = []
-    for (_, case, where), group in by_axis.items():
+    beside_maps = (search for search in searches if (search.experiment, search.case) not in on_maps)
+    for (_, case, where), group in grouped(beside_maps, attrgetter("searched_along")).items():
         first = group[0]
         unit = "" if first.unit == "1" else f" {first.unit}"
         title = cases(store)[case]["title"] + (f", {where}" if where else "")
@@ -64,7 +65,7 @@ def lines(store: Store, searches: Sequence[Search]) -> list[Line]:
         }
         cells |= {(reach.engine, worded(reach)): _within(reach) for reach in reaches(group) if reach.at == "equal time"}
         cells = {key: marked(unmarked, against[key[0]]) for key, unmarked in cells.items()}
-        made.append(Line(case, title, axis, list(dict.fromkeys(setting for _, setting in cells)), cells))
+        made.append(AxisLine(case, title, axis, list(dict.fromkeys(setting for _, setting in cells)), cells))
     return made
 
 
@@ -80,20 +81,15 @@ def worded(reach: Reach) -> str:
     return f"≤ {amount(1e3 * reach.condition)} ms a step"
 
 
-def _within(reach: Reach) -> Cell:
+def _within(reach: Reach) -> LimitCell:
     """What an engine held for so much time, and how."""
     if reach.held is None or reach.cost is None:
-        return Cell(0.0, "none", "", "nothing was held at this price")
+        return LimitCell(0.0, "none", "", "nothing was held at this price")
     hint = f"{reach.setting}; {amount(1e3 * reach.cost)} ms of CPU time for a time step of the case, roughly"
-    return Cell(reach.reach, amount(reach.held), reach.setting, hint)
+    return LimitCell(reach.reach, amount(reach.held), reach.setting, hint)
 
 
-def _first_clause(reason: str) -> str:
-    """What a narrow cell has room for of a reason."""
-    return reason.partition(":")[0]
-
-
-def cell(search: Search, law: str = "") -> Cell:
+def cell(search: Search, law: str = "") -> LimitCell:
     """One search in words; law: whose laws it is about, where they are not all the engine's own."""
     if search.verdict == CONSTANT:
         text, why = CONSTANT, f"{metric_title(search.signs.counts[0][0])} alike at both ends: {search.along_in_words}"
@@ -101,7 +97,7 @@ def cell(search: Search, law: str = "") -> Cell:
         text, why = f"≥ {amount(search.held)}", ""
     elif search.held is None:
         text = VERDICTS.get(search.verdict, search.verdict) if search.broke is None else f"< {amount(search.easy)}"
-        why = signs(search) or _first_clause(search.reason)
+        why = signs(search) or search.reason.partition(":")[0]
     else:
         text, why = amount(search.held), signs(search) if search.broke is not None else search.verdict
     share = "" if search.share is None else f"; {100 * search.share:.0f} % held at {amount(search.broke)}"
@@ -116,7 +112,7 @@ def cell(search: Search, law: str = "") -> Cell:
     hint = "; ".join(word for word in (hint, own, *map(str, search.noticed)) if word)
     words = "; ".join(word for word in (shorten(why, _ROOM, placeholder=" …"), own, law) if word)
     reach = 0.0 if search.verdict == CONSTANT else search.reach
-    return Cell(reach, text, words, f"{hint}; {law}" if law else hint, _curve(search))
+    return LimitCell(reach, text, words, f"{hint}; {law}" if law else hint, _curve(search))
 
 
 def _curve(search: Search) -> str:
@@ -132,7 +128,7 @@ def _curve(search: Search) -> str:
     return " ".join(points) if len(points) > 1 else ""
 
 
-def marked(unmarked: Cell, against: str) -> Cell:
+def marked(unmarked: LimitCell, against: str) -> LimitCell:
     """A cell with what is said against it, where it is disputed."""
     if not against:
         return unmarked
@@ -141,7 +137,7 @@ def marked(unmarked: Cell, against: str) -> Cell:
 
 
 @dataclass(frozen=True, slots=True)
-class Standing:
+class LeadCounts:
     """Under one condition, by engine: how often it leads alone and with others, with ours and without.
 
     Terms: of: how many were asked among the engines of others; of_with_ours: among all.
@@ -154,17 +150,17 @@ class Standing:
     engines: Mapping[str, tuple[Lead, Lead | None]]
 
 
-def standings(leads: Sequence[Lead]) -> list[Standing]:
+def standings(leads: Sequence[Lead]) -> list[LeadCounts]:
     """A row for each condition."""
     by_condition: dict[tuple[str, str, str], dict[str, dict[bool, Lead]]] = {}
     for lead in leads:
         by_condition.setdefault((lead.what, lead.at, lead.condition), {}).setdefault(lead.engine, {})[lead.ours] = lead
-    rows: list[Standing] = []
+    rows: list[LeadCounts] = []
     for (what, at, condition), by in by_condition.items():
         of_with_ours = max(rankings[True].of for rankings in by.values())
         of = max((rankings[False].of for rankings in by.values() if False in rankings), default=of_with_ours)
         engines = {engine: (rankings[True], rankings.get(False)) for engine, rankings in by.items()}
-        rows.append(Standing(what, f"{at}{f': {condition}' if condition else ''}", of, of_with_ours, engines))
+        rows.append(LeadCounts(what, f"{at}{f': {condition}' if condition else ''}", of, of_with_ours, engines))
     return rows
 
 
@@ -176,11 +172,9 @@ def signs(search: Search, *, why: bool = False) -> str:
 
 def mapped(searches: Sequence[Search]) -> list[tuple[str, list[Search]]]:
     """The searches of each experiment and case that ran at three or more values of one thing beside its axis, with its name."""
-    groups: dict[tuple[str, str], list[Search]] = {}
-    for search in searches:
-        groups.setdefault((search.experiment, search.case), []).append(search)
     named = [
-        (next((name for name, values in _numbers(group).items() if len(values) >= 3), ""), group) for group in groups.values()
+        (next((name for name, values in _numbers(group).items() if len(values) >= 3), ""), group)
+        for group in grouped(searches, attrgetter("experiment", "case")).values()
     ]
     return [(name, group) for name, group in named if name]
 
@@ -193,3 +187,70 @@ def _numbers(searches: Sequence[Search]) -> dict[str, set[float]]:
             if isinstance(value, int | float) and not isinstance(value, bool):
                 values.setdefault(name, set()).add(value)
     return values
+
+
+@dataclass(frozen=True, slots=True)
+class ReachedLimit:
+    """How far one engine goes. Terms: words: 'to 20', 'not even 1', 'beyond 100'; sign: by what it breaks there, '' where
+    nothing tried breaks it. trial: the run that breaks, or the last that holds."""
+
+    engine: str
+    words: str
+    sign: str
+    share: float
+    trial: str
+
+
+@dataclass(frozen=True, slots=True)
+class LimitMet:
+    """One axis of a case: who breaks first stands first. Terms: axis: in words; unit: of its values; setting: all have it."""
+
+    case: str
+    title: str
+    axis: str
+    unit: str
+    setting: str
+    reached: Sequence[ReachedLimit]
+
+
+def limits_met(store: Store) -> list[LimitMet]:
+    """One line a case: of its axes the one on which the engines that people can deploy come the shortest way.
+
+    Of several settings the tuned track at the coarsest equal sub-step speaks, or as it comes where none was asked for; of axes
+    that nobody breaks nothing is said.
+    """
+    silent = ("unsupported", "unavailable", "stopped", CONSTANT)
+    tuned = (s for s in searches_if_described(store) if not s.remedied and s.track == "tuned" and s.verdict not in silent)
+    best: dict[str, LimitMet] = {}
+    yard = {name for name, engine in engines(store).items() if engine["ours"]}
+    for (_, case, where), group in grouped(tuned, attrgetter("searched_along")).items():
+        parts = min((search.parts for search in group if search.parts), default=0)
+        level = [search for search in group if search.parts == parts]
+        reached = sorted((_reached(search) for search in level), key=lambda reached: reached.share)
+        if not any(entry.sign and entry.engine not in yard for entry in reached):
+            continue
+        first = level[0]
+        limit = LimitMet(
+            case=case,
+            title=str(cases(store)[case]["title"]) + (f", {where}" if where else ""),
+            axis=called(case, first.axis),
+            unit="" if first.unit == "1" else first.unit,
+            setting=first.setting,
+            reached=reached,
+        )
+        if case not in best or _way(limit, yard) < _way(best[case], yard):
+            best[case] = limit
+    return sorted(best.values(), key=lambda limit: _way(limit, yard))
+
+
+def _way(limit: LimitMet, yard: set[str]) -> float:
+    """The shortest way of an engine that is not ours, as a share of the axis."""
+    return min((reached.share for reached in limit.reached if reached.engine not in yard), default=1.0)
+
+
+def _reached(search: Search) -> ReachedLimit:
+    if search.broke is None:
+        return ReachedLimit(search.engine, f"beyond {amount(search.held)}", "", 1.0, search.trial_held)
+    words = f"not even {amount(search.easy)}" if search.held is None else f"to {amount(search.held)}"
+    sign = metric_title(search.signs.counts[0][0]) if search.signs.counts else search.signs.status
+    return ReachedLimit(search.engine, words, sign or "breaks", search.reach, search.trial_broke)

@@ -1,19 +1,21 @@
 """Scenes of one's own in the report: who they are, their verdicts as chips, and what is known of them in sentences."""
 
 from collections.abc import Mapping
-from functools import lru_cache
 
-from plumbline.harness.findings.agreement import Agreement, agreements, omission_words, omissions
+from plumbline.harness.findings.agreement.found import agreements
 from plumbline.harness.findings.agreement.happened import end_words, happened_words, happenings
+from plumbline.harness.findings.agreement.omissions import omission_words, omissions
 from plumbline.harness.findings.agreement.setting_causes import cause_words, settings_turned
+from plumbline.harness.findings.agreement.values import Agreement
 from plumbline.harness.findings.agreement.words import present_words, scene_words, side_words
-from plumbline.harness.findings.recorded_robot import joint_errors, recorded_words
+from plumbline.harness.findings.once import once
+from plumbline.harness.findings.tables.recorded import joint_errors, recorded_words
 from plumbline.harness.store.store import Store
-from plumbline.reports.words.catalogue import engines
+from plumbline.reports.words.catalogue import titles
 from plumbline.reports.words.status import FINITE, VERDICTS, Outcome, outcome
 
 
-@lru_cache(maxsize=2)
+@once
 def by_case(store: Store) -> Mapping[str, tuple[Agreement, ...]]:
     """The agreements on each scene that is judged by them: one for each set of parameters."""
     by_scene: dict[str, tuple[Agreement, ...]] = {}
@@ -29,11 +31,6 @@ def chips(store: Store) -> Mapping[tuple[str, str, str], tuple[Outcome, str]]:
         for agreement in agreements(store)
         for side in agreement.sides
     }
-
-
-def titles(store: Store) -> Mapping[str, str]:
-    """What engines are called in sentences."""
-    return {name: str(engine["title"]) for name, engine in engines(store).items()}
 
 
 def summary(store: Store, case: str) -> list[str]:

@@ -1,18 +1,24 @@
-"""The price list as people read it: a row for each scene and error, a column for each engine."""
+"""The price list as people read it: a row for each scene and error, a column for each engine; and the scenes in which something
+was clocked that has an error.
+"""
 
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
+import pandas as pd
+
+from plumbline.harness.findings.cost_point import CostPoint
 from plumbline.harness.findings.emulations import share_in_words, whose
 from plumbline.harness.findings.leads import cheapest
-from plumbline.harness.findings.prices import PER_SECOND, Price, priced
+from plumbline.harness.findings.once import once
+from plumbline.harness.findings.prices import PER_SECOND, Price, priced, unit_of
 from plumbline.harness.findings.standing import counted, standing
 from plumbline.harness.store.store import Store
 from plumbline.reports.words.catalogue import titled
 from plumbline.reports.words.disputes import disputed
-from plumbline.reports.words.text import TIMES, amount, duration, knobs, power, step
+from plumbline.reports.words.text import TIMES, amount, duration, knobs, power, slug, step
 
 SHOWN = 1e-2
 """The error that the list shows at first: every scene has a line for it."""
@@ -21,7 +27,7 @@ HEATS = ((1.0, "x1"), (2.0, "x2"), (10.0, "x10"), (100.0, "x100"))
 
 
 @dataclass(frozen=True, slots=True)
-class Entry:
+class PriceEntry:
     """One price: its words, its shade, and what hovering says.
 
     Terms: law: whose laws it is about, where the adapter makes some; disputed: what is said against it; '' without.
@@ -38,7 +44,7 @@ class Entry:
 
 
 @dataclass(frozen=True, slots=True)
-class Line:
+class PriceLine:
     """What one error costs in one scene, by engine; last: does no engine get farther?"""
 
     case: str
@@ -46,15 +52,15 @@ class Line:
     target: str
     unit: str
     last: bool
-    entries: Mapping[str, Entry]
+    entries: Mapping[str, PriceEntry]
 
 
-def price_list(store: Store) -> list[Line]:
+def price_list(store: Store) -> list[PriceLine]:
     """All lines, from coarse to fine; below the first error from `SHOWN` on that no engine reaches nothing is left to say."""
     by_scene: dict[tuple[str, str], dict[float, dict[str, Price]]] = {}
     for price in priced(store).prices:
         by_scene.setdefault((price.case, price.where), {}).setdefault(price.target, {})[price.engine] = price
-    lines: list[Line] = []
+    lines: list[PriceLine] = []
     for (case, where), targets in by_scene.items():
         title = titled(store, case, where)
         for target, prices in sorted(targets.items(), reverse=True):
@@ -63,7 +69,7 @@ def price_list(store: Store) -> list[Line]:
             shown = "" if unit == PER_SECOND else f"per {unit}"
             least = next((price for price in prices.values() if price.cheapest), None)
             entries = {engine: marked(store, price, least) for engine, price in prices.items()}
-            lines.append(Line(case, title, power(round(math.log10(target))), shown, last, entries))
+            lines.append(PriceLine(case, title, power(round(math.log10(target))), shown, last, entries))
             if last:
                 break
     return lines
@@ -99,12 +105,12 @@ def heat(price: Price) -> str:
     return next((shade for limit, shade in HEATS if price.ratio <= limit * (1 + 1e-12)), "far")
 
 
-def entry(price: Price, beside: Price | None = None) -> Entry:
+def entry(price: Price, beside: Price | None = None) -> PriceEntry:
     """One price in words. Args: beside: the cheapest, over which its ratio is."""
     if price.cost is None:
         if price.verdict == "not within the ladder":
             return _outside(price)
-        return Entry(price, price.verdict, "", "", "out", price.reason or f"{price.verdict}; {price.track}")
+        return PriceEntry(price, price.verdict, "", "", "out", price.reason or f"{price.verdict}; {price.track}")
     paced = price.unit == PER_SECOND
     sign = {"at most": "≥ " if paced else "at most ", "within the truth's error": "? "}.get(price.verdict, "")
     text, between = (f"{amount(1 / price.cost)}{TIMES}" if paced else duration(price.cost)), ""
@@ -117,7 +123,7 @@ def entry(price: Price, beside: Price | None = None) -> Entry:
         hint = f"{duration(price.cost)} of CPU time per simulated second; {hint}"
     if not price.cheapest and price.ratio_low is not None and price.ratio_high is not None:
         hint += f"; {amount(price.ratio_low)} to {amount(price.ratio_high)} times the cheapest"
-    return Entry(price, sign + text, ratio, between, heat(price), hint)
+    return PriceEntry(price, sign + text, ratio, between, heat(price), hint)
 
 
 def _ratio(price: Price, beside: Price | None) -> str:
@@ -131,7 +137,7 @@ def _ratio(price: Price, beside: Price | None) -> str:
     return sign + amount(price.ratio, 3 if price.ratio < 2 else 2)
 
 
-def marked(store: Store, price: Price, beside: Price | None = None) -> Entry:
+def marked(store: Store, price: Price, beside: Price | None = None) -> PriceEntry:
     """One price in words, with whose laws it is about and whether it is disputed; settings have their track's laws."""
     law = whose(store.catalogue, price.engine, price.case, store.bases.get(price.trial, ""))
     own = share_in_words(price.emulated) if price.cost is not None else ""
@@ -141,7 +147,7 @@ def marked(store: Store, price: Price, beside: Price | None = None) -> Entry:
     return replace(plain, hint=hint, law=": ".join(filter(None, (law, own))), disputed=against)
 
 
-def _outside(price: Price) -> Entry:
+def _outside(price: Price) -> PriceEntry:
     """An error that no run comes down to: how far they came, and the step at which a trend would get there."""
     finest, best = f"dt {step(price.finest_dt, price.finest_substeps)}", amount(price.best_error, 2)
     hint = f"no step down to {finest} and no setting that was run errs so little; the least is {best}, {knobs(price.track)}"
@@ -152,7 +158,7 @@ def _outside(price: Price) -> Entry:
         hint += f"; {knobs(price.foreseen_track)}, of order {amount(price.foreseen_order, 2)}, would at {foreseen}"
     else:
         hint += "; of no setting does the error shrink steadily with the step"
-    return Entry(price, f"not by {finest}, best {best}", "", trend, "out", hint)
+    return PriceEntry(price, f"not by {finest}, best {best}", "", trend, "out", hint)
 
 
 class Wins(NamedTuple):
@@ -179,3 +185,34 @@ def wins(prices: Sequence[Price]) -> Wins:
     questions = cheapest([price for price in prices if price.engine in answered])
     counts = counted(standing(questions))
     return Wins(counts, len(questions) - sum(count for _, count in counts))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PricedScene:
+    """A case at one set of parameters.
+
+    Terms:
+        name: of its chart, unique in the report. unit: what costs count. points: its trials with an error and a cost;
+        silent: the rows of those that lack one or both.
+    """
+
+    case: str
+    where: str
+    name: str
+    unit: str
+    points: Sequence[CostPoint]
+    silent: pd.DataFrame
+
+
+@once
+def scenes(store: Store) -> tuple[PricedScene, ...]:
+    """All scenes in which something was clocked that has an error."""
+    listed: list[PricedScene] = []
+    for case, where, trials in priced(store).groups():
+        points = priced(store).by_scene.get((case, where), [])
+        if any(point.clocked for point in points):
+            earlier = sum(scene.case == case for scene in listed)
+            name = f"case-{slug(case)}-price" + (f"-{earlier}" if earlier else "")
+            silent = trials[~trials["trial"].isin([point.trial for point in points])]
+            listed.append(PricedScene(case, where, name, unit_of(trials), points, silent))
+    return tuple(listed)

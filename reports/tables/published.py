@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from plumbline.harness.findings.beside_published import Beside, beside_published
+from plumbline.harness.findings.beside_published import BesidePublished, beside_published
 from plumbline.harness.store.published import NotPublished, published
 from plumbline.harness.store.store import Store
 from plumbline.reports.tables.engine_summary import Glance, glances
@@ -19,7 +19,7 @@ class PublishedRow:
     version: str
     ours: bool
     sides: Mapping[str, Glance]
-    beside: Beside | None = None
+    beside: BesidePublished | None = None
 
     @property
     def other(self) -> bool:

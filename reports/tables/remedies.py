@@ -2,9 +2,11 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from operator import attrgetter
 from statistics import median
 
 from plumbline.harness.findings.tables.remedies import Remedied
+from plumbline.harness.store.rows import grouped
 from plumbline.reports.words.text import amount, join_words, plural
 
 _WORDS = {
@@ -62,11 +64,11 @@ def _range(costs: Sequence[float]) -> str:
 
 def tally(remedies: Sequence[Remedied]) -> list[tuple[str, Mapping[str, Tally]]]:
     """By remedy and engine, how often it helped where it was tried; the most helpful first."""
-    by_remedy: dict[str, dict[str, list[Remedied]]] = {}
-    for remedied in remedies:
-        if remedied.share_after is not None:
-            by_remedy.setdefault(remedied.remedy, {}).setdefault(remedied.engine, []).append(remedied)
-    counted = {remedy: {engine: _counted(tried) for engine, tried in by.items()} for remedy, by in by_remedy.items()}
+    answered = [remedied for remedied in remedies if remedied.share_after is not None]
+    counted = {
+        remedy: {engine: _counted(mine) for engine, mine in grouped(tried, attrgetter("engine")).items()}
+        for remedy, tried in grouped(answered, attrgetter("remedy")).items()
+    }
     return sorted(counted.items(), key=lambda item: -sum(count.helped for count in item[1].values()))
 
 

@@ -2,19 +2,30 @@
 it out anew."""
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import lru_cache, partial
+from functools import partial
 from glob import escape
 from typing import Any
 
 from markupsafe import Markup
 
+from plumbline.harness.findings.once import once
 from plumbline.harness.findings.selection import CRITERIA, Answer, Wish, choose, preset_names, read_preset
 from plumbline.harness.findings.selection.choose import EXPRESSED
 from plumbline.harness.findings.selection.evidence import DECADES_OF_SPEED, Datum
 from plumbline.harness.findings.selection.rank import DOUBT_OF_WEIGHTS, DRAWS, SEED, Place
-from plumbline.harness.findings.selection.words import CLEAR, FEW, SENTENCES, decisive, error_percent, percent, trade, who_leads
+from plumbline.harness.findings.selection.words import (
+    CLEAR,
+    FEW,
+    SENTENCES,
+    decisive,
+    error_percent,
+    percent,
+    trade,
+    turn_sentences,
+    who_leads,
+)
 from plumbline.harness.store.store import Store
 from plumbline.reports.tables.own_scenes import by_case
 from plumbline.reports.tables.trial_results import stepless
@@ -22,7 +33,7 @@ from plumbline.reports.words.catalogue import FAMILIES, cases, engine_title, set
 from plumbline.reports.words.text import TIMES, amount, settings_text, slug
 
 
-@lru_cache(maxsize=1)
+@once
 def answer(store: Store) -> Answer:
     """At equal weights, over all cases, without the reference engine."""
     return choose(store, Wish())
@@ -42,14 +53,15 @@ def evidence_rows(store: Store) -> list[tuple[tuple[str, str, str], Datum]]:
 @dataclass(frozen=True)
 class Standing:
     """An engine in the answer for a purpose. Terms: first: the share of resamples in which it leads, None where there is no
-    contest; share: the same in words; leads: is it named alone? speed, error: of the typical case, in words; setting: its track
-    in words, settings: what that means."""
+    contest; share: the same in words; leads: is it named alone? passes: cases of those that count, '5/7'; speed: in the mean of
+    the cases, error: of the median case, in words; setting: its track in words, settings: what that means."""
 
     engine: str
     number: int
     first: float | None
     share: str
     leads: bool
+    passes: str
     speed: str
     error: str
     track: str
@@ -59,20 +71,25 @@ class Standing:
 
 @dataclass(frozen=True)
 class Need:
-    """A purpose in the shortest: the answer in a sentence, each engine's standing, what the first two trade, and what would
-    decide it, with its command. error: asked for, in words. own: is it a scene of the user's own, and nothing else?"""
+    """A purpose in the shortest: the answer in a sentence, notes beside it, a command that would decide it, engines' standings.
+
+    Terms:
+        error: asked for, in words.
+        few: are its cases too few for more than a rough share?
+        own: is it a scene of the user's own, and nothing else?
+    """
 
     name: str
     title: str
     why: str
     answer: str
-    trade: str
-    decisive: str
+    notes: Sequence[str]
     command: str
     standings: Mapping[str, Standing]
     cases: int
     error: str
-    own: bool = False
+    few: bool
+    own: bool
 
 
 OWN = "All that this scene was asked counts alike: who ends where the others do, how fast, and who ends at all."
@@ -80,7 +97,7 @@ FEWEST = 3
 """Cases of a purpose below which nothing is said of it."""
 
 
-@lru_cache(maxsize=1)
+@once
 def answers_by_purpose(store: Store) -> Mapping[str, Answer]:
     """Of each built-in purpose of which the run has cases enough."""
     listed = sorted(preset_names(), key=lambda name: read_preset(name).order)
@@ -88,7 +105,7 @@ def answers_by_purpose(store: Store) -> Mapping[str, Answer]:
     return {name: a for name, a in chosen.items() if a.rank is not None and len(a.evidence.cases) >= FEWEST}
 
 
-@lru_cache(maxsize=1)
+@once
 def needs(store: Store) -> list[Need]:
     """The scenes of the user's own, and the built-in purposes of which the run has cases enough."""
     if not asked_of_several(store):
@@ -110,20 +127,32 @@ def _own_need(store: Store, case: str) -> Need | None:
 
 def _need(store: Store, name: str, title: str, why: str, chosen: Answer, *, own: bool = False) -> Need:
     titled: Callable[[str], str] = partial(engine_title, store)
-    what, command = decisive(chosen, titled, lambda case: str(cases(store)[case]["title"]))
+    notes, command = notes_and_command(store, chosen)
     return Need(
         name=name,
         title=title,
         why=why,
         answer=who_leads(chosen, titled),
-        trade=trade(chosen, titled),
-        decisive=what,
+        notes=notes,
         command=command,
         standings={entry.engine: standing for standing, entry in standings(store, chosen)},
         cases=len(chosen.evidence.cases),
         error=f"{amount(100 * chosen.wish.max_error)} %",
+        few=not own and len(chosen.evidence.cases) < FEW,
         own=own,
     )
+
+
+def notes_and_command(store: Store, chosen: Answer) -> tuple[list[str], str]:
+    """What the first two trade, what would turn the answer and what would decide it, in sentences, and the command for that."""
+    titled: Callable[[str], str] = partial(engine_title, store)
+
+    def called(name: str) -> str:
+        return FAMILIES[name].lower() if name in FAMILIES else str(cases(store)[name]["title"])
+
+    what, command = decisive(chosen, titled, called)
+    sentences = [trade(chosen, titled), *turn_sentences(chosen.turns, titled, called), what]
+    return [sentence for sentence in sentences if sentence], command
 
 
 def standings(store: Store, chosen: Answer) -> list[tuple[Standing, Place]]:
@@ -133,13 +162,15 @@ def standings(store: Store, chosen: Answer) -> list[tuple[Standing, Place]]:
 
 def _standing(store: Store, chosen: Answer, entry: Place) -> Standing:
     track = chosen.evidence.tracks[entry.engine]
-    speed, error = (chosen.evidence.typical(name, entry.engine) for name in ("speed", "accuracy"))
+    speed, error = chosen.evidence.speed(entry.engine), chosen.evidence.error(entry.engine)
+    passed, judged = chosen.evidence.passed(entry.engine)
     return Standing(
         engine=entry.engine,
         number=entry.number,
         first=None if chosen.alone else entry.first,
         share="" if chosen.alone else percent(entry.first),
         leads=bool(chosen.alone) or entry.first > CLEAR,
+        passes=f"{passed}/{judged}" if judged else "",
         speed="" if speed is None else f"{amount(speed, 2)}{TIMES}",
         error="" if error is None else error_percent(error),
         track=track,
@@ -185,9 +216,10 @@ def _purpose(store: Store, name: str, title: str, why: str, wish: Wish, chosen: 
     evidence = chosen.evidence
     about, known = store.catalogue.get("engines", {}), cases(store)
     names, engines = list(evidence.cases), list(evidence.engines)
+    notes, command = notes_and_command(store, chosen)
     criteria = [criterion for criterion in CRITERIA if any(key[0] == criterion for key in evidence.table)]
     families = list(dict.fromkeys(evidence.families[case] for case in names))
-    typical = {standing.engine: [standing.speed, standing.error] for standing, _ in standings(store, chosen)}
+    shown = {s.engine: [s.passes, s.speed, s.error] for s, _ in standings(store, chosen)}
     cells: list[list[float | int]] = []
     for (criterion, case, engine), datum in evidence.table.items():
         values = [datum.value, datum.low, datum.high]
@@ -212,11 +244,13 @@ def _purpose(store: Store, name: str, title: str, why: str, wish: Wish, chosen: 
                 "title": engine_title(store, engine),
                 "setting": setting_words(store, engine, evidence.tracks[engine]),
                 "features": list(about.get(engine, {}).get("features", ())),
-                "typical": typical.get(engine, ["", ""]),
+                "shown": shown.get(engine, ["", "", ""]),
             }
             for engine in engines
         ],
         "cells": cells,
         "asked": chosen.asked,
+        "notes": notes,
+        "command": command,
         "others": any(drop.requirement != EXPRESSED for drop in chosen.dropped),
     }

@@ -1,7 +1,6 @@
 """The findings of a run in sentences, made from the tables alone."""
 
 from collections import Counter
-from dataclasses import asdict
 
 from plumbline.harness.findings.emulations import whose
 from plumbline.harness.findings.leads import axis_leads, reaches
@@ -10,10 +9,9 @@ from plumbline.harness.findings.standing import leaders as first_of
 from plumbline.harness.findings.tables import determinism, effects
 from plumbline.harness.findings.tables.orders import convergences
 from plumbline.harness.store.store import Store
-from plumbline.reports.tables.engine_summary import Glance, glances
+from plumbline.reports.tables.engine_summary import NO_REASON, Glance, glances, leads
 from plumbline.reports.tables.own_scenes import by_case, summary
-from plumbline.reports.tables.reference_leads import NO_REASON, leads
-from plumbline.reports.tables.verdicts import Verdict, verdicts
+from plumbline.reports.tables.verdicts import CaseVerdict, verdicts
 from plumbline.reports.words.catalogue import cases, compared_tracks, engines, setting_words, titles
 from plumbline.reports.words.catalogue import ours as yardsticks
 from plumbline.reports.words.disputes import disputed
@@ -58,7 +56,7 @@ def studied(store: Store) -> list[str]:
     written = []
     if sentence := farthest(store):
         written.append(sentence)
-    if rows := [asdict(verdict) for verdict in effects.verdicts_if_described(store)]:
+    if rows := [*map(effects.TABLE.flat, effects.verdicts_if_described(store))]:
         written += effects.sentences(rows, accusing=False, titles=titles(store))
     if rows := determinism.TABLE.rows(store):
         written += determinism.sentences(rows, titles(store))
@@ -174,7 +172,7 @@ def ranked(store: Store, ratios: dict[str, float]) -> str:
     return ", ".join(f"{titles[name]['title']} {amount(ratios[name], 2)}{TIMES}" for name in order) or "none measured"
 
 
-def tuning(store: Store, cells: dict[tuple[str, str, str], Verdict]) -> list[str]:
+def tuning(store: Store, cells: dict[tuple[str, str, str], CaseVerdict]) -> list[str]:
     """What tuning changes, in whole cases."""
     if len(compared_tracks(store)) < 2:
         return []
@@ -191,7 +189,7 @@ def tuning(store: Store, cells: dict[tuple[str, str, str], Verdict]) -> list[str
     return [f"Cases that pass in full once an engine is tuned, against its defaults: {'; '.join(changed)}."]
 
 
-def extremes(store: Store, cells: dict[tuple[str, str, str], Verdict]) -> list[str]:
+def extremes(store: Store, cells: dict[tuple[str, str, str], CaseVerdict]) -> list[str]:
     """The cases that all pass, and those that nobody passes."""
     everybody, nobody = [], []
     for name, case in cases(store).items():
@@ -243,7 +241,7 @@ def more(titles: list[str]) -> str:
     return f" and {len(titles) - 4} more" if len(titles) > 4 else ""
 
 
-def ours(store: Store, cells: dict[tuple[str, str, str], Verdict]) -> list[str]:
+def ours(store: Store, cells: dict[tuple[str, str, str], CaseVerdict]) -> list[str]:
     """The reference engine's failures, by name: nobody should have to look for them."""
     written = []
     for name, engine in engines(store).items():

@@ -1,17 +1,20 @@
-"""The verdict matrix: how the trials of each case, engine and track ended."""
+"""The verdict matrix: how the trials of each case, engine and track ended; and an engine's own rows of it, from worst to
+best.
+"""
 
 import math
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Any
 
 from plumbline.harness.findings.margins import Margin, margins
+from plumbline.harness.findings.once import once
 from plumbline.harness.store.store import Store
 from plumbline.reports.tables.own_scenes import by_case, chips
 from plumbline.reports.tables.trial_results import at_own_step
-from plumbline.reports.words.catalogue import engines, families
+from plumbline.reports.words.catalogue import cases, engines, families, named_tracks
+from plumbline.reports.words.emulated_features import Law, every_law
 from plumbline.reports.words.reasons import reasons
 from plumbline.reports.words.status import STATUSES, Outcome, outcome, worst
 from plumbline.reports.words.text import TIMES, amount, unit_text
@@ -23,7 +26,7 @@ LEAST = 1e-3
 
 
 @dataclass(frozen=True, slots=True)
-class Verdict:
+class CaseVerdict:
     """How an engine did in a case on a track.
 
     Terms: counts: (outcome, count) of all trials, from good to bad. worst: of them; reason: why it was not better. own: the
@@ -75,8 +78,8 @@ def margin_words(margin: Margin) -> str:
     return f"{amount(float(f'{margin.times:.{digits}g}'), digits)}{TIMES}"
 
 
-@lru_cache(maxsize=2)
-def verdicts(store: Store) -> dict[tuple[str, str, str], Verdict]:
+@once
+def verdicts(store: Store) -> dict[tuple[str, str, str], CaseVerdict]:
     """Verdicts by (case, engine, track); a cell without a trial has no entry."""
     cells = {}
     known = margins(store)
@@ -94,11 +97,11 @@ def verdicts(store: Store) -> dict[tuple[str, str, str], Verdict]:
         worst_of = [trial for status, trial in zip(group["status"], group["trial"], strict=True) if outcome(status) == bad]
         # An engine that was not run at the case's own step is read at its worst.
         trial = max(own[key])[2] if key in own else str(worst_of[0])
-        cells[key] = Verdict(
+        cells[key] = CaseVerdict(
             counted(Counter(group["status"])), bad, said[worst_of[0]], outcome(statuses[trial]), trial, known.get(trial)
         )
     # That all numbers of a scene of one's own are finite is no verdict on it.
-    return cells | {key: Verdict(((word, 1),), word, sentence, word) for key, (word, sentence) in chips(store).items()}
+    return cells | {key: CaseVerdict(((word, 1),), word, sentence, word) for key, (word, sentence) in chips(store).items()}
 
 
 def totals(store: Store) -> Mapping[tuple[str, str], Mapping[str, int]]:
@@ -126,3 +129,47 @@ def cells_by_family(store: Store) -> list[tuple[str, list[dict[str, Any]]]]:
 def counted(counts: Mapping[str, int]) -> tuple[tuple[Outcome, int], ...]:
     """Counts from good to bad."""
     return tuple(sorted(((outcome(name), count) for name, count in counts.items()), key=lambda pair: pair[0].rank))
+
+
+def cases_of(store: Store, engine: str) -> list[tuple[Mapping[str, Any], Mapping[str, CaseVerdict]]]:
+    """The cases that were put to an engine, each with its verdicts by track: the worst outcome on any track first, and among
+    equals the larger margin."""
+    cells = verdicts(store)
+    listed = [
+        (case, mine)
+        for name, case in cases(store).items()
+        if name not in by_case(store)
+        and (mine := {track: cells[name, engine, track] for track in named_tracks(store) if (name, engine, track) in cells})
+    ]
+    return sorted(listed, key=lambda listed_case: max(map(_weight, listed_case[1].values())), reverse=True)
+
+
+def tracks_of(store: Store, engine: str) -> list[str]:
+    """The tracks and settings that the study names on which an engine has a verdict."""
+    judged = {track for _, name, track in verdicts(store) if name == engine}
+    return [track for track in named_tracks(store) if track in judged]
+
+
+def _weight(cell: CaseVerdict) -> tuple[int, float]:
+    return cell.own.rank, cell.margin.times if cell.margin is not None else 0.0
+
+
+def by_reason(known_failures: Mapping[str, str]) -> list[tuple[str, list[str]]]:
+    """Checks that fail for one reason stand together under it."""
+    checks: dict[str, list[str]] = {}
+    for check, reason in known_failures.items():
+        checks.setdefault(reason, []).append(check)
+    return list(checks.items())
+
+
+def versions_of(store: Store, engine: str) -> list[str]:
+    """Those that the trials say."""
+    mine = store.trials["engine_version"][store.trials["engine"] == engine]
+    return [str(version) for version in mine.unique() if version]
+
+
+def laws_of(store: Store, engine: str) -> Sequence[tuple[str, Law]]:
+    """Every feature that some engine of the run claims, and whose it is on this one; what it lacks first."""
+    rows = [(feature, row[engine]) for feature, row in every_law(store) if engine in row]
+    order = ("not offered", "emulated", "in part emulated", "own")
+    return sorted(rows, key=lambda row: order.index(row[1].word))

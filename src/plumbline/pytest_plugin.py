@@ -7,10 +7,10 @@ what it is about, so that `-m "contact and not slow"` chooses:
 * of a check its subject and file, like `contact` and `friction`; of a case its family, like `stack`, and each effect that its
   scene calls for, like `contact`, `friction`, `joints`; `slow` if it takes many steps.
 
-A check or scene that the engine refuses by name is skipped, a failure that its adapter declares is an expected one, and all
-else that does not pass fails with its reason. `--plumbline-known FILE` names tests that are known to fail, in a line each as
-pytest's summary has them: they are expected to fail, and one that passes is an error, so that an engine that improves is
-noticed. Each runs in a process of its own.
+A check or scene that the engine refuses by name is skipped, a failure that its adapter declares is an expected one (xfailed),
+and all else that does not pass fails with its reason. `--plumbline-known FILE` names tests that are known to fail, in a line
+each as pytest's summary has them: they are expected to fail, and one that passes is an error, so that an engine that improves
+is noticed. `--plumbline-write-known FILE` writes that file. Each test runs in a process of its own.
 """
 
 from collections.abc import Iterator
@@ -26,6 +26,8 @@ if TYPE_CHECKING:
     from plumbline.harness.conformance import ConformanceCheck
 
 TRACKS: tuple[Literal["default", "tuned"], ...] = ("default", "tuned")
+_KNOWN = "known: "
+"""Begins the reason of a failure that a file of known ones expects."""
 SLOW_STEPS, SLOW_SECONDS = 20_000, 20.0
 """A case is slow if it takes more steps of a body, or more simulated time [s]."""
 
@@ -46,6 +48,50 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         metavar="FILE",
         help="Tests of --plumbline that are known to fail, a line each: [FAILED] plumbline::ENGINE::TRACK::NAME [- reason].",
     )
+    group.addoption(
+        "--plumbline-write-known",
+        default=None,
+        metavar="FILE",
+        help="At the end of a whole run, write the tests of --plumbline that failed to this file, for --plumbline-known.",
+    )
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Listen for failures if they are to be written; where tests are shared out, in the process that hears of all."""
+    if (name := config.getoption("--plumbline-write-known")) and not hasattr(config, "workerinput"):
+        config.pluginmanager.register(_Listener(Path(name)))
+
+
+class _Listener:
+    """Hears which tests of `--plumbline` fail, and writes them to a file once all have run."""
+
+    def __init__(self, file: Path) -> None:
+        self._file, self._failed, self._written = file, dict[str, str](), False
+
+    def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
+        """What failed, or failed again as the file before this one says; what its adapter declares is no news."""
+        expected, text = getattr(report, "wasxfail", ""), str(report.longrepr or "")
+        again = report.skipped and expected.startswith(_KNOWN)
+        if report.nodeid.startswith("plumbline::") and (again or (report.failed and not text.startswith("[XPASS"))):
+            why = expected.removeprefix(_KNOWN) if again else text.strip().splitlines()[-1]
+            self._failed[report.nodeid] = " ".join(why.replace("#", "no. ").split())[:160]
+
+    def pytest_sessionfinish(self, session: pytest.Session, exitstatus: int) -> None:
+        """Write the file whole, or leave the one that is there: a run that was cut short has not seen all."""
+        whole = not session.shouldfail and not session.shouldstop
+        if whole and exitstatus in (pytest.ExitCode.OK, pytest.ExitCode.TESTS_FAILED):
+            lines = [f"{test} - {why}\n" for test, why in sorted(self._failed.items())]
+            beside = self._file.with_name(f".{self._file.name}.new")
+            beside.write_text("".join(lines), encoding="utf-8")
+            beside.replace(self._file)
+            self._written = True
+
+    def pytest_terminal_summary(self, terminalreporter: Any) -> None:
+        """Say what was written."""
+        if self._written:
+            terminalreporter.write_line(f"{self._file}: {len(self._failed)} known failures written")
+        else:
+            terminalreporter.write_line(f"{self._file}: not written, the run did not end")
 
 
 class Failed(Exception):
@@ -141,7 +187,7 @@ def _known_failures(config: pytest.Config) -> dict[str, str]:
             test, _, reason = text.partition(" - ")
             if not test.startswith("plumbline::"):
                 raise pytest.UsageError(f"{name}: line {number}: {test!r}, expected plumbline::ENGINE::TRACK::NAME")
-            failures[test] = reason or f"known by {name}"
+            failures[test] = _KNOWN + (reason or name)
     return failures
 
 

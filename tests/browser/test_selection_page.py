@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from plumbline.harness.findings.selection import Answer, Wish, choose, read_preset
-from plumbline.harness.findings.selection.words import headline, percent
+from plumbline.harness.findings.selection.words import headline, percent, trade
 from plumbline.harness.store.store import Store
 from tests.browser.conftest import page_of
 from tests.run_folder import CASES
@@ -27,11 +27,17 @@ def told(page: Any, found: Answer) -> None:
     words = headline(found, TITLES.__getitem__)
     seen = "document.getElementById('headline').textContent.replaceAll('\\u00a0', ' ')"
     rows = "[...document.querySelectorAll('#places tbody tr:not([hidden])')]"
-    texts = f"{rows}.map(row => [row.dataset.engine, ...[0, 3, 6].map(cell => row.cells[cell].textContent)])"
+    texts = f"{rows}.map(row => [row.dataset.engine, ...[0, 3, 4, 7].map(cell => row.cells[cell].textContent)])"
     assert found.rank is not None
     share = [None if found.alone else percent(place.first) for place in found.rank.places]
     expected = [
-        [place.engine, str(place.number), first or "\N{EN DASH}", f"{place.score:.2f}"]
+        [
+            place.engine,
+            str(place.number),
+            first or "\N{EN DASH}",
+            "{}/{}".format(*found.evidence.passed(place.engine)),
+            f"{place.score:.2f}",
+        ]
         for place, first in zip(found.rank.places, share, strict=True)
     ]
     # A change of weights may leave the first sentence as it was: both have to be there.
@@ -46,7 +52,14 @@ def test_places_shares_and_scores_of_the_page_are_those_of_the_command(tmp_path:
     told(page, choose(store, Wish(weights={"speed": 5.0})))
     for preset in ("legged", "games"):
         page.get_by_label("purpose").select_option(preset)
-        told(page, choose(store, read_preset(preset).wish()))
+        found = choose(store, read_preset(preset).wish())
+        told(page, found)
+        assert page.inner_text("#purpose").lower() == read_preset(preset).title.lower()
+        assert page.locator("#turns li").all_inner_texts()[0] == trade(found, TITLES.__getitem__)
+        assert page.inner_text("#command") == found.decider.command if found.decider else page.locator("#command").is_hidden()
+    page.get_by_label("speed", exact=False).first.fill("5")
+    page.wait_for_function("() => document.querySelectorAll('#turns li').length === 0")
+    assert page.locator("#command").is_hidden()
 
 
 def test_a_requirement_of_speed_leaves_out_whom_the_command_leaves_out(tmp_path: Path, visit: Any) -> None:

@@ -8,7 +8,7 @@ import pytest
 
 from plumbline.harness.cli.gate import failures
 from plumbline.harness.findings.tables import dominance as table
-from plumbline.harness.findings.tables.dominance import Change, changes, unexcused
+from plumbline.harness.findings.tables.dominance import TriedChange, changes, unexcused
 from plumbline.harness.run.campaign import carry_out
 from plumbline.harness.search import dominance
 from plumbline.harness.search.dominance import FACTORS, drawn_parameters
@@ -36,22 +36,21 @@ def store(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Store]:
 
 
 @pytest.fixture(scope="module")
-def found(store: Store) -> Mapping[tuple[str, str], Change]:
+def found(store: Store) -> Mapping[tuple[str, str], TriedChange]:
     """By engine and change, each change on a row of its own."""
     return {(row.engine, change): row for row in changes(store) for change in row.change.split("; ")}
 
 
-def test_a_cheaper_change_at_the_same_error_is_found_with_its_price(found: Mapping[tuple[str, str], Change]) -> None:
+def test_a_cheaper_change_at_the_same_error_is_found_with_its_price(found: Mapping[tuple[str, str], TriedChange]) -> None:
     """20 us a step in the place of 50."""
     row = found["beaten", "spin 20.0"]
     assert (row.verdict, row.by, row.reason) == ("dominated", "price", "")
-    assert row.low is not None
-    assert row.low <= 0.4 * 1.03
-    assert row.high is not None
-    assert row.high >= 0.4 * 0.97
+    assert row.cost is not None
+    assert row.cost.ends[0] <= 0.4 * 1.03
+    assert row.cost.ends[1] >= 0.4 * 0.97
 
 
-def test_it_is_tried_at_drawn_parameters(found: Mapping[tuple[str, str], Change]) -> None:
+def test_it_is_tried_at_drawn_parameters(found: Mapping[tuple[str, str], TriedChange]) -> None:
     row = found["beaten", "spin 20.0"]
     assert (row.won, row.drawn) == (len(FACTORS), len(FACTORS))
     assert row.draws.count("wins by price") == len(FACTORS)
@@ -60,7 +59,7 @@ def test_it_is_tried_at_drawn_parameters(found: Mapping[tuple[str, str], Change]
 
 
 def test_a_change_that_the_adapter_names_is_excused_with_its_reason(
-    store: Store, found: Mapping[tuple[str, str], Change]
+    store: Store, found: Mapping[tuple[str, str], TriedChange]
 ) -> None:
     row = found["beaten", "spin 30.0"]
     assert (row.verdict, row.by, row.reason) == ("excused", "price", "planted")
@@ -76,13 +75,13 @@ def test_a_reason_that_nothing_calls_for_is_told(store: Store) -> None:
     assert any("beaten gives a reason for shade" in sentence for sentence in table.TABLE.sentences(table.TABLE.rows(store)))
 
 
-def test_a_change_that_is_not_cheap_enough_is_no_better(found: Mapping[tuple[str, str], Change]) -> None:
+def test_a_change_that_is_not_cheap_enough_is_no_better(found: Mapping[tuple[str, str], TriedChange]) -> None:
     """45 us a step in the place of 50, with the same bits; and an error that breaks a check."""
     assert found["beaten", "spin 45.0"].verdict == "same answer"
     assert found["beaten", "offset 100.0"].verdict == "no better"
 
 
-def test_a_change_that_passes_more_checks_is_found_whatever_it_costs(found: Mapping[tuple[str, str], Change]) -> None:
+def test_a_change_that_passes_more_checks_is_found_whatever_it_costs(found: Mapping[tuple[str, str], TriedChange]) -> None:
     row = found["failing", "offset 0.0"]
     assert (row.verdict, row.by) == ("dominated", "checks")
     assert row.held_change is not None
@@ -90,14 +89,14 @@ def test_a_change_that_passes_more_checks_is_found_whatever_it_costs(found: Mapp
     assert row.held_change > row.held_tuned
 
 
-def test_an_idle_knob_is_not_searched_and_told(store: Store, found: Mapping[tuple[str, str], Change]) -> None:
+def test_an_idle_knob_is_not_searched_and_told(store: Store, found: Mapping[tuple[str, str], TriedChange]) -> None:
     """The engine resolves its settings as before, whatever the colour is."""
     tried = {name for text in store.trials["settings"] for name in json.loads(text)["options"]}
     assert "colour" not in tried
     assert {found["beaten", f"colour {colour}"].verdict for colour in ("red", "blue")} == {"changes nothing"}
 
 
-def test_what_an_engine_refuses_and_what_is_broken_off_are_outcomes(found: Mapping[tuple[str, str], Change]) -> None:
+def test_what_an_engine_refuses_and_what_is_broken_off_are_outcomes(found: Mapping[tuple[str, str], TriedChange]) -> None:
     """5 ms a step in the place of 50 us can win by nothing: the track keeps all its checks."""
     assert found["beaten", "shade dark"].verdict == "refused"
     assert "option shade" in found["beaten", "shade dark"].reason

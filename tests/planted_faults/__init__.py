@@ -7,7 +7,7 @@ from tests.planted_faults.fault import Fault
 
 __all__ = ["FAULTS", "Fault"]
 
-for subject in ("motion", "contact", "joints", "coordinates", "pairs", "sensing", "contract"):
+for subject in ("motion", "contact", "joints", "coordinates", "tendons", "pairs", "sensing", "contract"):
     import_module(f"tests.planted_faults.{subject}")
 
 FAULTS = tuple(fault.FAULTS)

@@ -27,6 +27,26 @@ class push_at_the_anchor(Wrapped):
         self.inner.wrench(f_B_W, tau)
 
 
+_SEVERAL = Feature.MASSLESS | Feature.REVOLUTE | Feature.PRISMATIC
+
+
+@fault("several_joints_move_one_body", "pair_hinge_and_second_joint_of_a_body", needs=_SEVERAL)
+class between_joints_all_stands(Wrapped):
+    """bodies without mass are told to stand where they began"""
+
+    def state(self, out: State) -> None:
+        self.inner.state(out)
+        for place, body in enumerate(self.scene.bodies):
+            if body.massless:
+                out.p_WB[place], out.q_WB[place] = body.p_WB, body.q_WB
+
+
+@fault("several_joints_move_one_body", "pair_slide_and_second_joint_of_a_body", needs=_SEVERAL)
+def mass_between_joints(body: Body) -> Body:
+    """bodies without mass weigh a fifth of a kilogramme"""
+    return replace(body, mass=0.2, inertia=np.diag((1e-3, 1e-3, 1e-3)).tolist()) if body.massless else body
+
+
 @fault("pair_wrench_and_distance_spring", needs=Feature.DISTANCE_SPRING | Feature.WRENCH)
 class wrench_lost_beside_a_spring(Wrapped):
     """forces handed in are forgotten in scenes with a spring between two bodies"""

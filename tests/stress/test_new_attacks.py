@@ -27,7 +27,7 @@ import pytest
 
 import plumbline
 from plumbline.harness.case.own_titles import OWN
-from plumbline.harness.findings.recorded_robot import joint_errors
+from plumbline.harness.findings.tables.recorded import joint_errors
 from plumbline.harness.intake import user_cache
 from plumbline.harness.intake.error import PlumblineError
 from plumbline.harness.intake.refusal import RobotError
@@ -260,7 +260,7 @@ def test_a_states_file_beside_another_robot_has_no_rows(monkeypatch: pytest.Monk
     """A joint that the scene does not have is compared with nothing."""
     from types import SimpleNamespace
 
-    from plumbline.harness.findings import recorded_robot
+    from plumbline.harness.findings.tables import recorded
 
     scene = plumbline.load(ARM, root="fixed")
     agreement = SimpleNamespace(case=f"{OWN}scenes/abc/r.toml", scene=scene, sides=[])
@@ -269,7 +269,7 @@ def test_a_states_file_beside_another_robot_has_no_rows(monkeypatch: pytest.Monk
     agreement.sides.append(SimpleNamespace(engine="e", track="t", limit=SimpleNamespace(finest=rung)))
     (directory := tmp_path / "scenes" / "abc").mkdir(parents=True)
     (directory / "states.json").write_bytes(sealed_json("states.json", states(positions={"nobody": [0.0, 1.0]})))
-    monkeypatch.setattr(recorded_robot, "agreements", lambda _: [agreement])
+    monkeypatch.setattr(recorded, "agreements", lambda _: [agreement])
     store: Any = SimpleNamespace(folder=tmp_path)
     with pytest.raises(StoreError, match="nobody"):
         joint_errors.__wrapped__(store)

@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from plumbline.harness.findings.agreement import Agreement, Side, judged, ways
+from plumbline.harness.findings.agreement.found import ways
+from plumbline.harness.findings.agreement.judgement import judged
+from plumbline.harness.findings.agreement.values import Agreement, Side
 from plumbline.harness.findings.agreement.words import JOINTED, STILL, present_words, scene_words, side_sentence
 from plumbline.harness.scene import Body, Drive, Revolute, Scene
 from plumbline.harness.search.own_limits import OwnLimit, Rung, own_limit

@@ -8,7 +8,7 @@ from typing import Any
 import pandas as pd
 import pytest
 
-from plumbline.harness.findings.causes import Answer, causes
+from plumbline.harness.findings.causes import CaseResult, causes
 from plumbline.harness.findings.margins import Margin, margins
 from plumbline.harness.findings.vendor.finding import Finding
 from plumbline.harness.store.notices import StoredNotice
@@ -47,10 +47,10 @@ class Noted(Store):
         self.__dict__["machine"] = self.__dict__["study"] = {}
 
 
-def answers(**statuses: tuple[str, str]) -> list[Answer]:
+def answers(**statuses: tuple[str, str]) -> list[CaseResult]:
     """The status of each case on default and on tuned."""
     return [
-        Answer(case, "bullet", track, f"{case}-{track}", status)
+        CaseResult(case, "bullet", track, f"{case}-{track}", status)
         for case, pair in statuses.items()
         for track, status in zip(("default", "tuned"), pair, strict=True)
     ]

@@ -16,8 +16,7 @@ from plumbline.harness.cli.main import main
 from plumbline.harness.findings.changes import Change, Changes, compare
 from plumbline.harness.findings.changes.comment import LONGEST_COMMENT, comment
 from plumbline.harness.findings.changes.files import changes_files
-from plumbline.harness.findings.changes.values import Side
-from plumbline.harness.findings.changes.weights import heaviest_first
+from plumbline.harness.findings.changes.values import ComparedRun, heaviest_first
 from plumbline.harness.findings.changes.words import command, headline, sentence
 from plumbline.harness.store.notices import StoredNotice
 from plumbline.harness.store.store import Store
@@ -284,7 +283,7 @@ def many(count: int) -> Changes:
                before="passed", after="failed", detail="x" * 1900)
         for n in range(count)
     ]  # fmt: skip
-    side = Side(folder="a b", study="quick", started="", machine="", trials=count, versions=())
+    side = ComparedRun(folder="a b", study="quick", started="", machine="", trials=count, versions=())
     return Changes(a=side, b=side, rows=heaviest_first(rows), matched=count, same=0, clocked=0)
 
 

@@ -5,13 +5,10 @@ from typing import Any, cast
 
 import pytest
 
-from plumbline.harness.findings.agreement import Agreement as Agreed
-from plumbline.harness.findings.agreement import Side
-from plumbline.harness.findings.changes.limits import moved_limits
-from plumbline.harness.findings.changes.own_verdicts import changed_words
-from plumbline.harness.findings.changes.repetitions import lost_and_won
+from plumbline.harness.findings.agreement.values import Agreement, Side
+from plumbline.harness.findings.changes.studied import changed_words, lost_and_won, moved_limits
 from plumbline.harness.findings.limits_found import Search, Signs
-from plumbline.harness.findings.tables.determinism import Agreement
+from plumbline.harness.findings.tables.determinism import Repetition
 
 SEARCH = Search(
     experiment="towers", case="stack_tower", where="", beside=(), engine="dart", track="tuned", dt=0.01, axis="height",
@@ -47,7 +44,7 @@ def test_an_axis_that_is_harder_downwards_is_read_the_other_way() -> None:
 
 
 def test_a_repetition_that_gives_other_bits_now_is_lost_and_a_nudge_is_none() -> None:
-    same = Agreement(
+    same = Repetition(
         case="stack_tower", engine="dart", track="tuned", way="again", must=True, hash_first="1", hash="1", steps=9,
         first_step=None,
         farthest=0.0, doubles_in=None, verdict="bit-identical", reason="", trial="aa", trial_first="bb",
@@ -61,7 +58,7 @@ def test_a_repetition_that_gives_other_bits_now_is_lost_and_a_nudge_is_none() ->
 
 def test_an_engine_that_agrees_no_more_is_worse_and_where_nothing_is_agreed_it_is_no_fault() -> None:
     side = Side(engine="dart", track="tuned", ours=False, word="agrees", why="", limit=cast(Any, None))
-    agreed = Agreed(
+    agreed = Agreement(
         case="scene:/a/robot.toml",
         where="",
         duration=1.0,

@@ -9,8 +9,7 @@ import pandas as pd
 import pytest
 
 from plumbline.harness.case.alteration import AS_IT_IS, Alteration
-from plumbline.harness.findings.compact_listing import rows, told_apart
-from plumbline.harness.findings.summary import summaries
+from plumbline.harness.findings.summary import rows, summaries, told_apart
 from plumbline.harness.scene import Effect
 from plumbline.harness.store.store import Store
 from tests.recorded_folder import Folder, record

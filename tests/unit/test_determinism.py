@@ -5,7 +5,7 @@ from dataclasses import asdict
 import numpy as np
 import pytest
 
-from plumbline.harness.findings.tables.determinism import Agreement, broken, doubling, parting, sentences
+from plumbline.harness.findings.tables.determinism import Repetition, broken, doubling, parting, sentences
 
 
 def run(p: np.ndarray, start: int = 0) -> dict[str, np.ndarray]:
@@ -46,8 +46,8 @@ def test_the_doubling_time_of_a_planted_growth_is_found() -> None:
     assert doubling(time, np.zeros(200)) is None
 
 
-def agreement(engine: str, way: str, must: bool, verdict: str, variables: str = "") -> Agreement:
-    return Agreement(
+def repetition(engine: str, way: str, must: bool, verdict: str, variables: str = "") -> Repetition:
+    return Repetition(
         case="c", engine=engine, track="tuned", way=way, variables=variables, must=must, hash_first="a", hash="b", steps=9,
         first_step=4, farthest=1.0, doubles_in=None, verdict=verdict, reason="", trial="t", trial_first="f",
     )  # fmt: skip
@@ -55,22 +55,22 @@ def agreement(engine: str, way: str, must: bool, verdict: str, variables: str = 
 
 def test_a_repetition_that_must_agree_and_does_not_fails_the_gate() -> None:
     found = [
-        agreement("reference", "again", True, "differs"),
-        agreement("reference", "restored", True, "bit-identical"),
-        agreement("reference", "reordered", False, "differs"),
-        agreement("bullet", "again", True, "differs"),
+        repetition("reference", "again", True, "differs"),
+        repetition("reference", "restored", True, "bit-identical"),
+        repetition("reference", "reordered", False, "differs"),
+        repetition("bullet", "again", True, "differs"),
     ]
     assert broken(found, ["reference"]) == ["c on reference/tuned, again: differs from step 4 on (trial t)"]
 
 
 def test_how_often_repetitions_agree_is_said_with_titles_and_in_words() -> None:
     found = [
-        agreement("bullet", "2 threads", False, "differs"),
-        agreement("bullet", "reordered", False, "differs"),
-        agreement("bullet", "again", True, "bit-identical"),
-        agreement("bullet", "again", True, "differs"),
-        agreement("bullet", "restored", True, "unsupported"),
-        agreement("bullet", "nudged", False, "parts"),
+        repetition("bullet", "2 threads", False, "differs"),
+        repetition("bullet", "reordered", False, "differs"),
+        repetition("bullet", "again", True, "bit-identical"),
+        repetition("bullet", "again", True, "differs"),
+        repetition("bullet", "restored", True, "unsupported"),
+        repetition("bullet", "nudged", False, "parts"),
     ]
     rows = [asdict(one) for one in found]
     said = "gives the same bits run again in 1 of 2, from a saved state: no answer, with bodies in another order in 0 of 1, "
@@ -80,11 +80,11 @@ def test_how_often_repetitions_agree_is_said_with_titles_and_in_words() -> None:
 
 def test_what_survives_other_libraries_is_a_sentence_of_its_own() -> None:
     found = [
-        agreement("bullet", "again", True, "bit-identical"),
-        agreement("bullet", "NumPy", False, "unavailable", "C=1"),
-        agreement("bullet", "C library", False, "crashed", "B=1"),
-        agreement("bullet", "BLAS", False, "bit-identical", "A=1"),
-        agreement("bullet", "BLAS", False, "differs", "A=1"),
+        repetition("bullet", "again", True, "bit-identical"),
+        repetition("bullet", "NumPy", False, "unavailable", "C=1"),
+        repetition("bullet", "C library", False, "crashed", "B=1"),
+        repetition("bullet", "BLAS", False, "bit-identical", "A=1"),
+        repetition("bullet", "BLAS", False, "differs", "A=1"),
     ]
     again, libraries = sentences([asdict(one) for one in found], {"bullet": "Bullet"})
     assert again == "Bullet gives the same bits run again in 1 of 1."

@@ -4,12 +4,12 @@ from typing import Any
 
 import pytest
 
-from plumbline.harness.findings.tables.orders import Convergence
+from plumbline.harness.findings.tables.orders import ObservedOrder
 from plumbline.harness.statistics.order import Order
 from plumbline.reports.charts.palette import ENGINES
 from plumbline.reports.charts.work_precision import miniatures, work_precision
 from plumbline.reports.pages.case import orders
-from plumbline.reports.tables.priced_scenes import scenes
+from plumbline.reports.tables.price_list import scenes
 from tests.unit.test_prices import Priced, ladder
 
 LADDERS = {"mujoco": (1e-3, 1e-3), "dart": (3e-3, 1e-2), "bullet": (2e-4, 3e-2)}
@@ -83,7 +83,7 @@ def test_the_line_of_a_miniature_is_in_the_colour_of_the_engine_whose_front_it_i
 
 
 def test_orders_stand_with_their_own_engine_and_track_in_the_order_of_the_page() -> None:
-    def ladder_of(engine: str, track: str, order: float) -> Convergence:
+    def ladder_of(engine: str, track: str, order: float) -> ObservedOrder:
         fit = Order(
             order=order,
             low=order - 0.1,
@@ -95,7 +95,7 @@ def test_orders_stand_with_their_own_engine_and_track_in_the_order_of_the_page()
             at_fine_end=order,
             left=0.0,
         )
-        return Convergence(
+        return ObservedOrder(
             case="a", where="", engine=engine, track=track, metric="e", integrator="x", fit=fit, promised=1,
             verdict="kept", finding="",
         )  # fmt: skip

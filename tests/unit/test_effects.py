@@ -17,7 +17,7 @@ from plumbline.harness.case.alteration import EVERYTHING, FINER, Alteration
 from plumbline.harness.case.own_titles import called
 from plumbline.harness.cli.minimal_scene import write_minimal
 from plumbline.harness.findings.effects_audit import NOT_JUDGED, audit, idle, savings
-from plumbline.harness.findings.tables.effects import TABLE, Verdict, sentences, verdicts
+from plumbline.harness.findings.tables.effects import TABLE, EffectVerdict, sentences, verdicts
 from plumbline.harness.metrics.errors import divergence
 from plumbline.harness.run.campaign import carry_out
 from plumbline.harness.run.verify import problems
@@ -76,7 +76,7 @@ def case_of(name: str, scene: Scene, **more: object) -> Case:
 
 
 Studied = Callable[[Case, Adapter], Store]
-Audited = Callable[[Case], list[Verdict]]
+Audited = Callable[[Case], list[EffectVerdict]]
 
 
 @pytest.fixture
@@ -103,7 +103,7 @@ def audited(studied: Studied) -> Audited:
     return lambda case: list(verdicts(studied(case, plugins.adapter("reference"))))
 
 
-def against(found: Sequence[Verdict]) -> list[str]:
+def against(found: Sequence[EffectVerdict]) -> list[str]:
     """What the audit has against the scenes."""
     return audit([asdict(one) for one in found]).sentences()
 

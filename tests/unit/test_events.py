@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from plumbline.harness.findings.agreement import Agreement, Side
 from plumbline.harness.findings.agreement.happened import Happened, alike, body_words, happened_words
+from plumbline.harness.findings.agreement.values import Agreement, Side
 from plumbline.harness.scene import Body, Box, Drive, Plane, Prismatic, Revolute, Scene, Surface
 from plumbline.harness.scene.joint import Limits
 from plumbline.harness.search.own_limits import OwnLimit

@@ -12,10 +12,9 @@ from pathlib import Path
 
 import pytest
 
-from plumbline.harness.findings.vendor.finding import Finding, FindingError, read_finding
+from plumbline.harness.findings.vendor.finding import FOLDER, Finding, FindingError, chosen, read_finding, shelf
 from plumbline.harness.findings.vendor.issue_text import issue_text
-from plumbline.harness.findings.vendor.shelf import FOLDER, chosen, shelf
-from plumbline.harness.findings.vendor.still_there import Standing, ask, ask_all, ask_mended
+from plumbline.harness.findings.vendor.still_there import ScriptAnswer, ask, ask_all, ask_mended
 from plumbline.harness.study.plugins import names
 from tests.conftest import Command
 
@@ -26,7 +25,7 @@ DAMPED = next(finding for finding in EVERY if finding.name == "bullet/damping_by
 
 
 @cache
-def damped() -> Standing:
+def damped() -> ScriptAnswer:
     """What is said of one that is still there, and of its mend."""
     return next(ask_all([DAMPED]))
 
@@ -130,7 +129,7 @@ def test_the_text_for_the_vendor_has_the_figure_the_law_the_documentation_and_th
 
 @pytest.mark.parametrize("finding", EVERY, ids=lambda finding: finding.name)
 def test_the_script_in_the_text_is_whole_and_names_nothing_of_ours(finding: Finding) -> None:
-    text = issue_text(Standing(finding, "still there", "1 m", "1", 0.1))
+    text = issue_text(ScriptAnswer(finding, "still there", "1 m", "1", 0.1))
     script = text.partition("```python\n")[2].partition("\n```")[0]
     assert ast.dump(ast.parse(script)) == ast.dump(ast.parse(finding.text))
     assert script.startswith("# /// script\n# requires-python")

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from plumbline.harness.findings.agreement import Agreement, Outlook, Side, foreseeable_until
-from plumbline.harness.findings.agreement.perturbed_starts import _parted
+from plumbline.harness.findings.agreement.perturbed_starts import Outlook, _parted, foreseeable_until
+from plumbline.harness.findings.agreement.values import Agreement, Side
 from plumbline.harness.findings.agreement.words import beyond_words
 from plumbline.harness.scene import Body, Scene
 from plumbline.harness.search.own_limits import OwnLimit

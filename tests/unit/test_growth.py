@@ -14,7 +14,7 @@ from plumbline.harness.store.journal import read_written
 from plumbline.harness.store.journal_index import read_index
 from plumbline.harness.store.store import Store
 from plumbline.harness.store.stored_tables import TABLES, in_order, in_parquet, tables_of
-from plumbline.reports.tables.trial_rows import MOST_ROWS, listed, rows_shown
+from plumbline.reports.tables.trial_results import MOST_ROWS, listed, rows_shown
 from tests.large_store import unsynchronised, write_large_store
 
 TRIALS = 300

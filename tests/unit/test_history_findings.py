@@ -2,9 +2,8 @@
 
 import math
 
-from plumbline.harness.findings.vendor.finding import Finding
-from plumbline.harness.findings.vendor.shelf import shelf
-from plumbline.harness.findings.vendor.still_there import SECONDS, Standing, Verdict
+from plumbline.harness.findings.vendor.finding import Finding, shelf
+from plumbline.harness.findings.vendor.still_there import SECONDS, ScriptAnswer, ScriptVerdict
 from plumbline.harness.history.known_findings import asked_again, turned
 from plumbline.harness.history.sentences import summary
 
@@ -12,11 +11,11 @@ EVERY = shelf()
 NAME = "bullet/damping_by_default"
 
 
-def night(verdict: Verdict, version: str, left: float = math.inf) -> list[dict[str, str]]:
+def night(verdict: ScriptVerdict, version: str, left: float = math.inf) -> list[dict[str, str]]:
     """What a night keeps in whose engines that one finding has this verdict, all others being there."""
 
-    def answer(finding: Finding) -> Standing:
-        return Standing(finding, verdict if finding.name == NAME else "still there", "1.449 m", version, 0.3)
+    def answer(finding: Finding) -> ScriptAnswer:
+        return ScriptAnswer(finding, verdict if finding.name == NAME else "still there", "1.449 m", version, 0.3)
 
     return asked_again(EVERY, ("bullet", "dart"), lambda: left, answer)
 

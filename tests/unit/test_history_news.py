@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from plumbline.harness.findings.changes.words import command, sentence
-from plumbline.harness.findings.vendor.shelf import shelf
+from plumbline.harness.findings.vendor.finding import shelf
 from plumbline.harness.history.folder import opened, stamp_of
 from plumbline.harness.history.identity import Named, acknowledge, change_id
 from plumbline.harness.history.night_policy import Asked

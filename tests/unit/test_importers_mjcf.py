@@ -57,6 +57,36 @@ def test_armature_is_carried_or_dropped_with_the_factor_by_which_joints_turn_mor
     assert (lost.outcome, lost.value) == ("left_out", pytest.approx(1 + 0.5 / 0.004))
 
 
+def test_a_pattern_drops_what_the_joints_of_that_name_have_and_leaves_the_others(tmp_path: Path) -> None:
+    second = f'</body><body name="hand" pos="1 0 0"><joint name="wrist" axis="0 1 0" armature="0.2"/>{BALL}'
+    root = '<joint name="root" type="free" armature="0.3"/>'
+    text = mjcf(f'<joint name="elbow" axis="0 1 0" armature="0.5" frictionloss="2"/>{BALL}{second}')
+    whole, got = imported(tmp_path, text), imported(tmp_path, text, drop=frozenset(("armature@elb*", "friction_loss@wrist")))
+    laws = {joint.name: (joint.armature, joint.friction_loss) for joint in got.scene.joints}  # type: ignore[union-attr]
+    assert laws == {"elbow": (None, 2.0), "wrist": (0.2, None)}
+    rows = {(r.outcome, r.name): r for r in got.fidelity if r.element in ("armature", "friction loss")}
+    assert set(rows) == {("left_out", "'elbow'"), ("exact", "'wrist'"), ("exact", "'elbow'")}
+    assert (got.dropped, got.undropped) == (("armature@elb*", "friction_loss@wrist"), whole.scene)
+    floating = mjcf(f"{root}{BALL}{second}")
+    with pytest.raises(RobotError, match=r"joint 'root': armature of up to 0\.3"):
+        imported(tmp_path, floating, drop=frozenset(("armature@wrist",)))
+    assert joint(imported(tmp_path, floating, drop=frozenset(("armature@root*",)))).armature == 0.2
+
+
+@pytest.mark.parametrize(
+    ("text", "why"),
+    [
+        ("armature@knee*", r"'armature@knee\*': no joint is called so, expected some of 'elbow'"),
+        ("plugin@elbow", "'plugin@elbow', expected KIND@PATTERN, KIND being one of armature, "),
+        ("armature@", "'armature@', expected KIND@PATTERN"),
+        ("armour@elbow", "'armour', expected one of actuator.*did you mean armature"),
+    ],
+)
+def test_a_pattern_that_meets_no_joint_or_no_kind_of_joints_is_refused(tmp_path: Path, text: str, why: str) -> None:
+    with pytest.raises(RobotError, match=why):
+        imported(tmp_path, mjcf(f'<joint name="elbow" axis="0 1 0" armature="0.5"/>{BALL}'), drop=frozenset((text,)))
+
+
 def test_a_linear_equality_of_two_joints_is_a_coupling_and_another_is_refused(tmp_path: Path) -> None:
     bodies = f'<joint name="x" axis="0 1 0" ref="0.3"/>{BALL}</body><body name="slider">'
     bodies += f'<joint name="y" type="slide" ref="0.1"/>{BALL}'

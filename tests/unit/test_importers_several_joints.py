@@ -23,10 +23,29 @@ LEG = (
 """Three hinges through one point, and two whose axes lie 4 cm apart: the last axis alone counts there."""
 
 
-def compared(tmp_path: Path) -> tuple[float, float]:
+HOPPER = (
+    '<joint name="x" type="slide" axis="1 0 0"/><joint name="z" type="slide" ref="1"/>'
+    '<joint name="y" axis="0 1 0" pos="0 0 .05"/><geom type="capsule" fromto="0 0 .2 .03 0 -.2" size=".05"/>'
+    '<body name="thigh" pos="0 0 -.2"><joint name="hip" axis="0 -1 0"/>'
+    '<geom type="capsule" fromto="0 0 0 0 0 -.45" size=".05"/>'
+    '<body name="leg" pos="0 0 -.45"><joint name="knee" axis="0 -1 0"/>'
+    '<geom type="capsule" fromto="0 0 0 0 0 -.5" size=".04"/>'
+    '<body name="foot" pos="0 0 -.5"><joint name="ankle" axis="0 -1 0"/>'
+    '<geom type="capsule" fromto="-.1 0 0 .2 0 0" size=".06"/>'
+    "</body></body></body>"
+)
+"""Two slides and a hinge at the root, which no point of its own is fixed by: nothing with mass can stand between them."""
+LAMP = (
+    '<joint name="a" axis="1 0 0"/><joint name="b" axis="0 1 0" pos="0 0 .1"/><joint name="c" pos=".1 0 0"/>'
+    '<joint name="d" type="slide" axis=".6 0 .8"/><geom type="box" pos=".2 0 0" size=".1 .2 .05"/>'
+)
+"""Three hinges whose axes do not meet, and a slide behind them."""
+
+
+def compared(tmp_path: Path, text: str = LEG) -> tuple[float, float]:
     """How far mass matrix and accelerations lie from MuJoCo's, of their largest entries, at the worst of ten states."""
     mujoco = pytest.importorskip("mujoco")
-    text = mjcf(LEG, '<compiler angle="radian"/><option><flag contact="disable"/></option>')
+    text = mjcf(text, '<compiler angle="radian"/><option><flag contact="disable"/></option>')
     scene = imported(tmp_path, text).scene
     space = JointSpace(scene)
     model = mujoco.MjModel.from_xml_string(text)
@@ -87,6 +106,20 @@ def test_links_that_pass_through_each_other_by_wish_still_touch_the_ground(tmp_p
     assert dropped.undropped == kept.scene
 
 
+@pytest.mark.parametrize("text", [HOPPER, LAMP], ids=["hopper", "lamp"])
+def test_where_no_share_of_the_mass_can_stand_nothing_with_mass_does_and_the_scene_is_the_file_exactly(
+    tmp_path: Path, text: str
+) -> None:
+    """Mass matrix and accelerations are MuJoCo's: sums of some tens of terms, over a mass matrix of condition below 1e5."""
+    M, a = compared(tmp_path, text)
+    assert M < EXACT
+    assert a < 1e3 * EXACT
+    got = imported(tmp_path, mjcf(text))
+    between = [body for body in got.scene.bodies if body.massless]
+    assert [body.name.split(".")[0] for body in between] == ["arm"] * (text.count("<joint") - 1 if text == LAMP else 2)
+    assert not [line for line in got.fidelity if line.element in ("several joints of a link", "link without mass")]
+
+
 @pytest.mark.parametrize(
     "joints",
     [
@@ -94,8 +127,14 @@ def test_links_that_pass_through_each_other_by_wish_still_touch_the_ground(tmp_p
         '<joint name="a" axis="1 0 0"/><joint name="b" axis="0 1 0" pos="0 0 .1"/><joint name="c" pos=".1 0 0"/>',
     ],
 )
-def test_what_no_share_of_the_mass_can_stand_for_is_refused_or_stated(tmp_path: Path, joints: str) -> None:
+def test_a_mass_between_joints_may_be_stated_all_the_same(tmp_path: Path, joints: str) -> None:
     text = mjcf(f'{joints}<geom size=".1" mass="1"/>')
-    with pytest.raises(RobotError, match=r"several joints .* move one body.*\[massless\] mass"):
-        imported(tmp_path, text)
     assert row(imported(tmp_path, text, Companion(massless=Massless(mass=1e-6))), "link without mass").outcome == "approximated"
+
+
+def test_a_ball_joint_before_a_slide_is_refused_or_stated(tmp_path: Path) -> None:
+    text = mjcf('<joint name="b" type="ball"/><joint name="s" type="slide"/><geom size=".1" mass="1"/>')
+    with pytest.raises(
+        RobotError, match=r"several joints 'b', 's' move one body, ball joint 'b' among them.*\[massless\] mass"
+    ):
+        imported(tmp_path, text)

@@ -9,7 +9,7 @@ from pathlib import Path
 import psutil
 import pytest
 
-from plumbline.harness.findings.tables.determinism import Agreement, agreements, broken
+from plumbline.harness.findings.tables.determinism import Repetition, broken, repetitions
 from plumbline.harness.run import campaign, fork_servers
 from plumbline.harness.run.campaign import carry_out
 from plumbline.harness.run.fork_servers import Origin, end_servers, start
@@ -116,11 +116,11 @@ STUDY = Study(
 )
 
 
-def carried_out(folder: Path) -> dict[str, Agreement]:
+def carried_out(folder: Path) -> dict[str, Repetition]:
     """The repetitions of the stand-in by how they were made."""
     case, engine = plugins.case("stress_fall"), plugins.adapter("swayed")
     store = carry_out(STUDY, folder, {case.name: case}, {engine.name: engine}, workers=2, resume=True)
-    return {agreement.way: agreement for agreement in agreements(store)}
+    return {each.way: each for each in repetitions(store)}
 
 
 def test_a_row_says_whether_bits_survive_a_variable(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

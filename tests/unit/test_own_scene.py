@@ -15,9 +15,10 @@ from plumbline.harness.case.own_titles import title_of
 from plumbline.harness.case.scene_file import own_case
 from plumbline.harness.cli.own_scene import closing_count, closing_words, waiting
 from plumbline.harness.findings import tables
-from plumbline.harness.findings.agreement import agreements, balances, errors_of, outlooks
 from plumbline.harness.findings.agreement.costs import best_price, best_setting
+from plumbline.harness.findings.agreement.found import agreements, errors_of
 from plumbline.harness.findings.agreement.happened import happenings
+from plumbline.harness.findings.agreement.perturbed_starts import balances, outlooks
 from plumbline.harness.findings.agreement.setting_causes import Turned, settings_turned
 from plumbline.harness.findings.agreement.so_far import words_so_far
 from plumbline.harness.findings.agreement.values import Side, Word
@@ -184,7 +185,9 @@ def test_the_page_is_as_good_as_the_others(thrown: Done, monkeypatch: pytest.Mon
     assert "distance from the limit [of its size]" in text
     index = (report / "index.html").read_text()
     assert re.search(r'id="which".*<b>My thrown ball</b>.*is first in ', index, re.DOTALL)
-    assert re.search(r'class="figures"><span>[\d.]+\N{MULTIPLICATION SIGN}</span> <span>[\d.]+ %</span>', index)
+    assert re.search(
+        r'class="figures"><span>[01]/1</span> <span>[\d.]+\N{MULTIPLICATION SIGN}</span> <span>[\d.]+ %</span>', index
+    )
     assert "passed [cases]" not in index
     for told in (text, index):
         shown = re.sub(r"<script.*?</script>", "", told, flags=re.DOTALL)

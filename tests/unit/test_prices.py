@@ -12,7 +12,7 @@ import pytest
 
 from plumbline.harness.findings.prices import Prices, interval, medians
 from plumbline.harness.findings.tables import price as price_table
-from plumbline.harness.findings.tables.profile import FACTOR, TABLE, Scene, hinges, profile, sentences, without
+from plumbline.harness.findings.tables.profile import FACTOR, TABLE, SceneName, hinges, profile, sentences, without
 from plumbline.harness.findings.tables.steps import largest_steps
 from plumbline.harness.search.front import spread
 from plumbline.harness.statistics.pareto import price
@@ -179,8 +179,8 @@ def test_the_case_on_which_a_share_hangs_is_named() -> None:
     told = [*ladder("a", "dart", 1.0), *ladder("a", "bullet", 9.0), *ladder("b", "dart", 9.0), *ladder("b", "bullet", 1.0)]
     store = Priced([*told, *ladder("c", "dart", 1.0), *ladder("c", "bullet", 9.0)])
     found = {share["engine"]: share for share in hinges(map(asdict, profile(Prices(store).prices))) if share["limit"] == FACTOR}
-    assert without(found["dart"]) == (Scene("b", ""), 1.0)
-    assert without(found["bullet"]) == (Scene("b", ""), 0.0)
+    assert without(found["dart"]) == (SceneName("b", ""), 1.0)
+    assert without(found["bullet"]) == (SceneName("b", ""), 0.0)
     assert "dart depends most on b: without it, it answers 100% instead of 67% at the lowest price." in sentences(
         TABLE.rows(store)
     )

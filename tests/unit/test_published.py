@@ -146,7 +146,7 @@ def test_a_run_beside_the_dataset_tells_other_verdicts_and_what_costs_more_than_
     besides = beside_published(*map(Store, folders))
     assert besides["bullet"].slower == pytest.approx(2.0, rel=0.05), "2 % of noise a sample, medians of ten"
     assert besides["mujoco"].slower == pytest.approx(1.0, rel=0.05)
-    assert [(each.published, each.current) for each in besides["dart"].differences] == [("passed", "failed")]
+    assert [(then["status"], now["status"]) for then, now in besides["dart"].differences] == [("passed", "failed")]
     assert besides["mujoco"].differences == ()
     assert all(beside.same > 0 for name, beside in besides.items() if name in ("mujoco", "bullet", "dart"))
 

@@ -39,12 +39,15 @@ def asked(folder: Path, *words: str) -> "subprocess.CompletedProcess[str]":
 
 
 def test_checks_and_cases_are_tests_with_marks_and_a_sound_engine_passes_them(folder: Path) -> None:
-    done = asked(folder, "--plumbline", "flight", "-v", "-m", "tuned and not slow", "-k", "quaternion or flight_ or contact")
+    done = asked(
+        folder, "--plumbline", "flight", "-v", "-m", "tuned and not slow", "-k", "quaternion or flight_ or contact or imu_lag"
+    )
     assert done.returncode == 0, done.stdout
     lines = dict(re.findall(r"^(plumbline::\S+) (\w+)", done.stdout, flags=re.MULTILINE))
     assert lines["plumbline::flight::tuned::quaternion_is_wxyz"] == "PASSED"
     assert lines["plumbline::flight::tuned::flight_projectile"] == "PASSED"
     assert lines["plumbline::flight::tuned::contact_forces_carry_the_weight"] == "SKIPPED", "it has no contacts"
+    assert lines["plumbline::flight::tuned::sensor_imu_lag"] == "SKIPPED", "it is pushed, and takes no forces"
     assert not any("::default::" in name for name in lines)
 
 
@@ -71,10 +74,22 @@ def test_a_wrong_engine_fails_where_its_physics_is_wrong_and_its_known_failures_
     known = asked(folder, *words, "--plumbline-known", "known.txt")
     assert known.returncode == 0, known.stdout
     assert "2 xfailed" in known.stdout
+    written = asked(folder, *words, "--plumbline-write-known", "written.txt")
+    assert written.returncode == 1
+    assert "written.txt: 2 known failures written" in written.stdout
+    lines = (folder / "written.txt").read_text(encoding="utf-8").splitlines()
+    assert {line.split(" - ")[0] for line in lines} == {line.split()[1] for line in failed}
+    assert "position_error_max = " in lines[0], "the reason"
+    both = asked(folder, *words, "--plumbline-known", "written.txt", "--plumbline-write-known", "written.txt")
+    assert both.returncode == 0, both.stdout
+    assert (folder / "written.txt").read_text(encoding="utf-8").splitlines() == lines, "what fails again stays"
+    cut = asked(folder, *words, "--plumbline-write-known", "cut.txt", "-x")
+    assert "cut.txt: not written, the run did not end" in cut.stdout
+    assert not (folder / "cut.txt").exists()
     (folder / "better.txt").write_text("plumbline::heavy::tuned::spin_principal - it turns too fast\n", encoding="utf-8")
     better = asked(folder, "--plumbline", "heavy", "-k", "tuned and spin_principal", "--plumbline-known", "better.txt")
     assert better.returncode == 1, "what improves is noticed"
-    assert "[XPASS(strict)] it turns too fast" in better.stdout
+    assert "[XPASS(strict)] known: it turns too fast" in better.stdout
 
 
 @pytest.mark.parametrize(

@@ -11,8 +11,8 @@ from plumbline.harness.adapter import Adapter, Feature, Settings, Simulation
 from plumbline.harness.case import Case
 from plumbline.harness.case.alteration import TURNED, Alteration
 from plumbline.harness.case.starts import perturbed
-from plumbline.harness.findings.agreement import Agreement
 from plumbline.harness.findings.agreement.setting_causes import Turned, cause_words
+from plumbline.harness.findings.agreement.values import Agreement
 from plumbline.harness.findings.agreement.words import length
 from plumbline.harness.scene import Body, Effect, Scene, sphere_inertia
 from plumbline.harness.search.refined_ladder import next_trials, start_name

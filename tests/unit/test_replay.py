@@ -14,7 +14,7 @@ from plumbline.harness.case.forces import Controlled
 from plumbline.harness.cli.main import main
 from plumbline.harness.cli.own_import import scene_to_run
 from plumbline.harness.findings import tables
-from plumbline.harness.findings.recorded_robot import _answer, _answering, _delayed
+from plumbline.harness.findings.tables.recorded import _answer, _answering, _delayed
 from plumbline.harness.intake.refusal import RobotError
 from plumbline.harness.run.campaign import carry_out
 from plumbline.harness.scene import Body, Drive, Prismatic, Revolute, Samples, Scene, Sinusoid

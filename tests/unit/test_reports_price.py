@@ -13,7 +13,7 @@ from plumbline.harness.findings.leads import pair_leads
 from plumbline.harness.findings.prices import priced
 from plumbline.harness.findings.tables import price as price_table
 from plumbline.harness.findings.tables.profile import FACTOR, TIME, profile
-from plumbline.harness.findings.tables.steps import Step
+from plumbline.harness.findings.tables.steps import StepRange
 from plumbline.harness.store.store import Store
 from plumbline.reports.charts.figure import Figure
 from plumbline.reports.charts.largest_steps import survival
@@ -22,8 +22,7 @@ from plumbline.reports.charts.work_precision import miniatures, work_precision
 from plumbline.reports.pages import index
 from plumbline.reports.pages.price import PAGE
 from plumbline.reports.tables.failures import failing
-from plumbline.reports.tables.price_list import Line, heat, price_list, wins
-from plumbline.reports.tables.priced_scenes import scenes
+from plumbline.reports.tables.price_list import PriceLine, heat, price_list, scenes, wins
 from plumbline.reports.words.text import duration, power
 from tests.links import texts_of
 from tests.run_folder import BAD_CASE, HOSTILE, write_run_folder
@@ -148,7 +147,7 @@ def test_a_list_ends_at_the_first_error_that_nobody_reaches_and_shades_by_the_ra
     lines = price_list(Priced(told()))
     assert [line.target for line in lines] == [power(-k) for k in range(1, 8)]
     assert [line.last for line in lines] == [False] * 6 + [True]
-    first: Line = lines[1]
+    first: PriceLine = lines[1]
     assert first.entries["reference"].price.cost == pytest.approx(1e-3 / 0.1, rel=1e-9)  # 0.1 s errs 5e-3 already
     assert (first.entries["reference"].shade, first.entries["dart"].shade, first.entries["dart"].ratio) == ("x1", "x1", "")
     # The other's is a bound too: of two bounds there is no ratio.
@@ -210,8 +209,8 @@ def test_profiles_have_a_line_and_a_band_for_each_engine() -> None:
     assert profile_chart(one, [], FACTOR) is None
 
 
-def step(accurate: float | None, coarsest: float) -> Step:
-    return Step(
+def step(accurate: float | None, coarsest: float) -> StepRange:
+    return StepRange(
         case="a", where="", engine="dart", track="tuned", stable=None, stable_substeps=None, accurate=accurate,
         accurate_substeps=None, coarsest=coarsest, finest=1e-3, finest_substeps=1, runs=4, error=None, realtime=None, trial="",
     )  # fmt: skip

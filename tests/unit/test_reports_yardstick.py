@@ -8,7 +8,7 @@ import pytest
 
 from plumbline.harness.findings.tables import limits
 from plumbline.harness.store.store import Store
-from plumbline.reports.tables.reference_leads import NO_REASON, leads
+from plumbline.reports.tables.engine_summary import NO_REASON, leads
 from plumbline.reports.tables.summary import sentences
 from plumbline.reports.words.catalogue import ours
 from tests.links import texts_of
@@ -72,7 +72,6 @@ def test_errors_within_rounding_or_a_per_cent_lead_nobody(folder: Path) -> None:
                 rows = table["trial"].isin(group["trial"]) & table["unit"].isin(("rad", "m"))
                 table.loc[rows, "value"] = factor * rival if engine == "reference" else rival
         assert bool(leads(store)) == lead
-        leads.cache_clear()
 
 
 def test_no_sentence_of_the_summary_ranks_our_engine(folder: Path) -> None:

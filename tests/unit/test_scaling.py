@@ -86,7 +86,7 @@ def test_noise_that_both_share_cancels_in_a_ratio_and_noise_of_one_widens_it() -
     same = ratio(2 * shake, shake)
     assert (same.value, same.low, same.high) == (2.0, 2.0, 2.0)
     alone = ratio(2 * shake, np.ones(5))
-    assert alone.low < alone.value < alone.high
+    assert alone.ends[0] < alone.value < alone.ends[1]
 
 
 def test_the_fastest_is_the_fastest_whose_checks_hold(scaling: Scaling) -> None:
@@ -128,10 +128,11 @@ def test_the_exponent_is_the_one_that_the_prices_were_made_with(scaling: Scaling
     assert {(fit.engine, fit.track) for fit in scaling.exponents} == {
         ("ours", "fine"), ("ours", "coarse"), ("theirs", "default"), ("theirs", "deep"),
     }  # fmt: skip
-    for fit in scaling.exponents:
-        assert fit.exponent == pytest.approx(EXPONENT, abs=1e-9)
-        assert fit.low <= fit.exponent <= fit.high
-        assert (fit.parameter, fit.start, fit.end) == ("n", pytest.approx(10), pytest.approx(10_000))
+    for exponent in scaling.exponents:
+        fit = exponent.fit
+        assert fit.order == pytest.approx(EXPONENT, abs=1e-9)
+        assert fit.low <= fit.order <= fit.high
+        assert (exponent.sweep.parameter, fit.fine, fit.coarse) == ("n", pytest.approx(10), pytest.approx(10_000))
 
 
 def beside_trial(
@@ -195,10 +196,11 @@ def test_efficiency_is_the_rate_of_all_over_as_many_times_the_rate_of_one(beside
         row = shared[workers]
         assert row.efficiency is not None
         assert row.efficiency.value == pytest.approx(efficiency)
-        assert row.efficiency.low <= row.efficiency.value * (1 + 1e-12)
+        assert row.efficiency.ends[0] <= row.efficiency.value * (1 + 1e-12)
         assert row.rate == pytest.approx(efficiency * workers * 1e5)
         assert row.units == 1
-        assert row.cpu == pytest.approx(1e-5)
+        assert row.cpu is not None
+        assert row.cpu.value == pytest.approx(1e-5)
     short = [" ".join(map(str, TABLE.brief(row))) for row in beside.rows()]
     assert any("200,000 a second, efficiency 0.50" in line for line in short)
     assert any("1.2 x the step alone" in line for line in short)
@@ -223,10 +225,10 @@ def test_rays_and_worlds_are_priced_all_together_over_their_number(
     journal.close()
     write_json(tmp_path / "catalogue.json", {"cases": {}, "engines": {}})
     scaling = Scaling(Store(tmp_path))
-    (fit,) = scaling.exponents
-    assert fit.exponent == pytest.approx(0.8, abs=1e-9)
-    assert (fit.unit, fit.parameter) == told
-    assert (fit.start, fit.end) == pytest.approx((512, 32_768))
+    (exponent,) = scaling.exponents
+    assert exponent.fit.order == pytest.approx(0.8, abs=1e-9)
+    assert (exponent.sweep.unit, exponent.sweep.parameter) == told
+    assert (exponent.fit.fine, exponent.fit.coarse) == pytest.approx((512, 32_768))
     assert {row.unit for row in scaling.costs} == {unit}  # the rows themselves go on pricing one
 
 
@@ -251,7 +253,7 @@ def scattered(tmp_path: Path) -> Scaling:
 
 
 def test_an_exponent_that_does_not_tell_linear_from_quadratic_growth_is_not_stated(scattered: Scaling) -> None:
-    widths = {fit.engine: fit.high - fit.low for fit in scattered.exponents}
+    widths = {fit.engine: fit.fit.high - fit.fit.low for fit in scattered.exponents}
     assert widths["ours"] == pytest.approx(0, abs=1e-9)
     for engine, stray in (("near", 1.1), ("theirs", 1.5)):
         assert widths[engine] == pytest.approx(2 * 12.706 * np.log(stray) / (np.sqrt(3) * np.log(10)), rel=1e-3)

@@ -2,7 +2,7 @@
 
 import pytest
 
-from plumbline.harness.findings.agreement import Agreement
+from plumbline.harness.findings.agreement.values import Agreement
 from plumbline.harness.trajectory.parting import NOTHING
 from plumbline.reports.pages.scene import one_limit
 

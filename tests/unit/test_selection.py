@@ -236,9 +236,29 @@ def test_what_would_turn_the_answer_and_what_the_first_two_trade_is_told(tmp_pat
     assert [(turn.kind, turn.name, turn.first) for turn in found.turns if turn.kind == "criterion"] == [
         ("criterion", "speed", "dart")
     ]
-    assert trade(found, str) == (
-        "mujoco errs less (10 of 10 cases within 1 %, dart 0); dart is 18\N{MULTIPLICATION SIGN} faster."
-    )
+    assert trade(found, str) == ("mujoco passes 10 of 10 cases at 1 % error, dart 0; dart is 18\N{MULTIPLICATION SIGN} faster.")
+
+
+def test_the_ratio_told_is_that_of_the_speeds_shown_and_these_are_of_the_same_cases(tmp_path: Path) -> None:
+    """Costs differ by case, and one engine has no speed in three: what is fast there must not count for the other alone."""
+    engines = {"mujoco": Made(0.5, 0.9), "dart": Made(5.0, 0.05, lacks=tuple(CASES)[:3])}
+    found = choose(Store(write_selection_folder(tmp_path / "run", engines, 0, steps=(1 / 240,))), Wish(max_error=0.5))
+    evidence = found.evidence
+    assert len(evidence.compared) == len(CASES) - 3
+    logs = [math.log(evidence.speeds[case, "dart"].times / evidence.speeds[case, "mujoco"].times) for case in evidence.compared]
+    ratio = math.exp(sum(logs) / len(logs))
+    shown = {engine: evidence.speed(engine) for engine in engines}
+    assert shown["dart"] == pytest.approx(ratio * shown["mujoco"])
+    assert f"dart is {ratio:.2g}\N{MULTIPLICATION SIGN} faster" in trade(found, str)
+
+
+def test_an_engine_without_a_speed_in_most_cases_has_none_and_takes_none_from_the_others(tmp_path: Path) -> None:
+    engines = {"mujoco": Made(0.5, 0.9), "dart": Made(5.0, 0.05, lacks=tuple(CASES)[:6])}
+    evidence = choose(
+        Store(write_selection_folder(tmp_path / "run", engines, 0, steps=(1 / 240,))), Wish(max_error=0.5)
+    ).evidence
+    assert evidence.speed("dart") is None
+    assert len(evidence.compared) == len(CASES)
 
 
 def test_what_would_turn_the_answer_is_said_without_ids() -> None:
@@ -324,8 +344,8 @@ def test_what_would_decide_is_the_figure_whose_interval_moves_the_answer_most(tm
     assert found.decider.runs == 1
     sentence, shown = decisive(found, str, str)
     assert shown == command
-    assert sentence.startswith("What would decide it: the speed of dart in “joint_chain”; ")
-    assert " would be first in " in sentence
+    assert sentence.startswith("What would decide it: to measure the speed of dart in “joint_chain” further; ")
+    assert "'s share will then lie between " in sentence
     assert "(1 run of it here took " in sentence
     (folder / "journal.jsonl").touch()
     assert into(Store(folder)) == f" --out {folder} --resume=merge"

@@ -11,7 +11,7 @@ import pytest
 
 from plumbline.harness.findings.sensor_readings.channel import Channel, channels, rays_of
 from plumbline.harness.findings.sensor_readings.depth import depth_sigma
-from plumbline.harness.findings.sensor_readings.findings import Finding, findings
+from plumbline.harness.findings.sensor_readings.findings import SensorFinding, findings
 from plumbline.harness.findings.sensor_readings.ideal import ideal_errors
 from plumbline.harness.findings.sensor_readings.inertial import allan_curve, inertial_noise
 from plumbline.harness.findings.sensor_readings.lag import lag_of
@@ -28,7 +28,7 @@ def store(tmp_path_factory: pytest.TempPathFactory) -> Store:
     return Store(write_sensor_folder(tmp_path_factory.mktemp("sensors") / "run"))
 
 
-def of(store: Store, engine: str, sensor: str, channel: str) -> Finding:
+def of(store: Store, engine: str, sensor: str, channel: str) -> SensorFinding:
     return next(one for one in findings(store) if (one.engine, one.sensor, one.channel) == (engine, sensor, channel))
 
 
@@ -66,31 +66,29 @@ def test_a_clean_engine_keeps_every_law_and_a_planted_fault_breaks_its_own(store
     for sensor, channel in (("imu", "gyroscope"), ("lidar", "range"), ("depth", "depth")):
         clean, loud = (of(store, engine, sensor, channel) for engine in ("reference", "mujoco"))
         assert clean.noise.sigma_law is not None
-        assert clean.noise.sigma == pytest.approx(clean.noise.sigma_law, rel=4 / math.sqrt(2 * 4000))
-        assert loud.noise.sigma_low is not None
+        assert clean.noise.sigma is not None
+        assert clean.noise.sigma.value == pytest.approx(clean.noise.sigma_law, rel=4 / math.sqrt(2 * 4000))
+        assert loud.noise.sigma is not None
         if sensor != "depth":
-            assert loud.noise.sigma_low > 1.5 * clean.noise.sigma_law
-            assert loud.noise.sigma == pytest.approx(2 * clean.noise.sigma_law, rel=0.1)
+            assert loud.noise.sigma.ends[0] > 1.5 * clean.noise.sigma_law
+            assert loud.noise.sigma.value == pytest.approx(2 * clean.noise.sigma_law, rel=0.1)
 
 
 def test_a_share_of_lost_returns_lies_in_its_interval_and_a_biased_one_does_not(store: Store) -> None:
     clean, biased = (of(store, engine, "lidar", "range") for engine in ("reference", "mujoco"))
-    assert clean.noise.lost_low is not None
-    assert clean.noise.lost_high is not None
-    assert biased.noise.lost_low is not None
-    assert clean.noise.lost_low < 0.1 < clean.noise.lost_high
-    assert biased.noise.lost_low > 0.2
-    # Beams that meet nothing have nothing to lose: 8 of 512 in each of ten scans.
     assert clean.noise.lost is not None
-    assert clean.noise.lost * 5040 == pytest.approx(round(clean.noise.lost * 5040), abs=1e-9)
+    assert biased.noise.lost is not None
+    assert clean.noise.lost.ends[0] < 0.1 < clean.noise.lost.ends[1]
+    assert biased.noise.lost.ends[0] > 0.2
+    # Beams that meet nothing have nothing to lose: 8 of 512 in each of ten scans.
+    assert clean.noise.lost.value * 5040 == pytest.approx(round(clean.noise.lost.value * 5040), abs=1e-9)
 
 
 def test_pixels_that_got_lost_are_counted_among_those_that_could_answer(store: Store) -> None:
     depth = of(store, "reference", "depth", "depth")
     assert depth.noise.lost_law == 0.05
-    assert depth.noise.lost_low is not None
-    assert depth.noise.lost_high is not None
-    assert depth.noise.lost_low < 0.05 < depth.noise.lost_high
+    assert depth.noise.lost is not None
+    assert depth.noise.lost.ends[0] < 0.05 < depth.noise.lost.ends[1]
 
 
 def test_the_error_of_an_ideal_signal_is_the_planted_one_and_stands_beside_its_check(store: Store) -> None:
@@ -139,8 +137,8 @@ def test_a_range_that_is_no_number_leaves_no_finite_error() -> None:
     run = sensing(1)
     run.streams["lidar/range_ideal"][3, 2, 5] = np.nan  # type: ignore[index]
     errors = ideal_errors(channel_of(run, "lidar", "range"))
-    assert errors.largest is not None
-    assert math.isnan(errors.largest)
+    assert errors.error_max is not None
+    assert math.isnan(errors.error_max)
     assert errors.disagree == pytest.approx(1 / (10 * 512))
 
 
@@ -149,7 +147,7 @@ def test_a_beam_that_meets_another_surface_disagrees_and_spoils_no_error() -> No
     run.streams["lidar/range_ideal"][0, 1, 0] = 3.0  # type: ignore[index]
     run.streams["lidar/range_ideal"][0, 1, 1] = np.inf  # type: ignore[index]
     errors = ideal_errors(channel_of(run, "lidar", "range"))
-    assert errors.largest == 0.0
+    assert errors.error_max == 0.0
     assert errors.disagree == pytest.approx(2 / (10 * 512))
 
 
@@ -157,7 +155,7 @@ def test_a_truth_at_other_times_is_told_and_gives_no_error() -> None:
     truth = told()
     truth["lidar/time"] = truth["lidar/time"] + 1e-3
     errors = ideal_errors(channel_of(sensing(1), "lidar", "range", truth))
-    assert errors.largest is None
+    assert errors.error_max is None
     assert errors.why == "the truth stands at other times than the readings"
 
 
@@ -172,7 +170,7 @@ def test_an_allan_deviation_lies_in_the_band_of_its_law_and_doubled_noise_twice_
     assert clean is not None
     assert loud is not None
     # White noise of density N: N / sqrt(tau), by IEEE Std 952.
-    assert clean.law == pytest.approx(2e-3 / np.sqrt(clean.time), rel=1e-9)
+    assert clean.law == pytest.approx(2e-3 / np.sqrt(clean.at), rel=1e-9)
     assert clean.found[:6] == pytest.approx(clean.law[:6], rel=0.1)
     assert loud.found[:6] == pytest.approx(2 * loud.law[:6], rel=0.1)
     assert (clean.low < clean.law).all()
@@ -192,8 +190,10 @@ def test_a_turned_and_stretched_triad_is_taken_off_before_its_noise_is_told() ->
     turned = 1.5 * np.stack([ideal[:, 1], -ideal[:, 0], ideal[:, 2]], axis=1)
     noise = inertial_noise(_inertial(law, turned + 0.1 + 1e-2 * np.random.default_rng(6).standard_normal((4000, 3)), ideal))
     assert noise is not None
-    assert noise.sigma == pytest.approx(1e-2, rel=0.05)
-    assert noise.bias == pytest.approx(0.1, abs=4e-4)
+    assert noise.sigma is not None
+    assert noise.bias is not None
+    assert noise.sigma.value == pytest.approx(1e-2, rel=0.05)
+    assert noise.bias.value == pytest.approx(0.1, abs=4e-4)
 
 
 def test_readings_at_the_bound_are_told_and_give_no_spread() -> None:
@@ -208,11 +208,11 @@ def test_a_histogram_of_range_errors_is_a_density_and_sees_a_doubled_spread() ->
     clean, loud = (range_histogram(channel_of(sensing(4, louder=k), "lidar", "range")) for k in (1.0, 2.0))
     assert clean is not None
     assert loud is not None
-    width = clean.middle[1] - clean.middle[0]
-    assert float(clean.density.sum() * width) + clean.beyond / clean.count == pytest.approx(1.0)
+    width = clean.at[1] - clean.at[0]
+    assert float(clean.found.sum() * width) + clean.beyond / clean.count == pytest.approx(1.0)
     # 19 of 20 bins: of 32, fewer than 24 inside would be one in a hundred thousand.
-    assert np.sum((clean.density >= clean.low) & (clean.density <= clean.high)) >= 24
-    assert np.sum((loud.density >= loud.low) & (loud.density <= loud.high)) < 12
+    assert np.sum((clean.found >= clean.low) & (clean.found <= clean.high)) >= 24
+    assert np.sum((loud.found >= loud.low) & (loud.found <= loud.high)) < 12
 
 
 def test_the_spread_of_depth_grows_as_each_principle_says() -> None:
@@ -229,10 +229,10 @@ def test_the_spread_of_depth_grows_as_each_principle_says() -> None:
 
 
 def test_depth_errors_over_depth_follow_the_law(store: Store) -> None:
-    levels = of(store, "reference", "depth", "depth").levels
+    levels = of(store, "reference", "depth", "depth").curve
     assert levels is not None
-    assert (np.diff(levels.depth) > 0).all()
-    assert levels.sigma == pytest.approx(levels.law, rel=0.25)
+    assert (np.diff(levels.at) > 0).all()
+    assert levels.found == pytest.approx(levels.law, rel=0.25)
     assert np.mean((levels.low < levels.law) & (levels.law < levels.high)) > 0.7
 
 

@@ -15,7 +15,7 @@ from pydantic import TypeAdapter
 
 from plumbline.cases import stand_humanoid
 from plumbline.harness.adapter import Adapter, Diverged, Feature, Settings
-from plumbline.harness.findings.tables.tremble import CAUSES, TABLE, Run, attribute, findings
+from plumbline.harness.findings.tables.tremble import CAUSES, TABLE, TrembleRun, attribute, findings
 from plumbline.harness.scene import Revolute, Scene
 from plumbline.harness.store.disk import write_atomically
 from plumbline.harness.store.journal import Journal
@@ -32,8 +32,8 @@ from tests.run_folder import write_run_folder
 BOUND = 1e-3
 
 
-def run(vibration: float) -> Run:
-    return Run(vibration=vibration, frequency=30.0, bound=BOUND)
+def run(vibration: float) -> TrembleRun:
+    return TrembleRun(vibration=vibration, frequency=30.0, bound=BOUND)
 
 
 BASE = 0.1

@@ -12,7 +12,7 @@ from plumbline.harness.history.steps import Step
 from plumbline.harness.statistics.change_points import Level
 from plumbline.reports.charts.figure import Figure
 from plumbline.reports.charts.palette import ENGINES
-from plumbline.reports.charts.panels import Panel
+from plumbline.reports.charts.panels import TrendPanel
 from plumbline.reports.charts.trends import index_chart, miniature
 
 INDEX = np.array([1.01, 0.99, np.nan, 1.31, 1.29, 0.71])
@@ -28,7 +28,7 @@ NIGHTS = [
     for n, version in enumerate(VERSIONS, 1)
 ]
 STEP = Step(night=3, change=Change(kind="price", sense="worse", engine="mujoco", ratio=1.3))
-PANEL = Panel(
+PANEL = TrendPanel(
     case="joint_chain",
     engine="mujoco",
     case_title="A chain",
@@ -43,7 +43,7 @@ PANEL = Panel(
 )
 
 
-def drawn(*panels: Panel) -> Figure:
+def drawn(*panels: TrendPanel) -> Figure:
     figure = index_chart(panels, NIGHTS, ENGINES, "title")
     assert figure is not None
     return figure

@@ -12,7 +12,8 @@ from scipy.integrate import solve_ivp
 
 from plumbline.harness.case.alteration import UNDROPPED, Alteration
 from plumbline.harness.cli.own_scene import closing_words
-from plumbline.harness.findings.agreement import Omission, agreements, omissions
+from plumbline.harness.findings.agreement.found import agreements
+from plumbline.harness.findings.agreement.omissions import Omission, omissions
 from plumbline.harness.findings.tables import agreement as table
 from plumbline.harness.run.campaign import carry_out
 from plumbline.harness.scene import Revolute

@@ -10,7 +10,7 @@ import pytest
 from plumbline.cases import spin_heavy_top
 from plumbline.harness.case import Case, Check, Converged, Parameters
 from plumbline.harness.findings import speed
-from plumbline.harness.findings.cost_point import Point
+from plumbline.harness.findings.cost_point import CostPoint
 from plumbline.harness.metric import NotMeasurable, Run, metric
 from plumbline.harness.metrics.errors import position_error_max
 from plumbline.harness.metrics.periods import nutation_amplitude
@@ -123,7 +123,7 @@ def test_a_speed_has_its_lower_end_from_the_dearer_end_of_the_price(monkeypatch:
         case="x", engine="e", track="tuned", dt=0.01, substeps=1, error=1e-4, cost=0.5, low=0.4, high=0.8,
         clocked=True, status="passed", unstable=False, trial="t",
     )  # fmt: skip
-    assert {"cost", "low", "high"} <= set(Point.__dataclass_fields__)
+    assert {"cost", "low", "high"} <= set(CostPoint.__dataclass_fields__)
     monkeypatch.setattr(
         speed, "List", lambda *_: SimpleNamespace(middle=np.full((1, 1), np.nan))
     )  # one run: no steps on both sides

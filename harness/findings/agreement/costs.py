@@ -4,9 +4,9 @@ from collections.abc import Mapping
 
 from plumbline.harness.findings.agreement.found import agreements
 from plumbline.harness.findings.agreement.values import Agreement
+from plumbline.harness.findings.parameter_words import STEP, in_words
 from plumbline.harness.findings.prices import PER_SECOND, Price, priced
 from plumbline.harness.findings.steps_taken import beside
-from plumbline.harness.findings.variant_of import STEP, in_words
 from plumbline.harness.store.store import Store
 
 WITHIN = 1e-2
@@ -15,10 +15,8 @@ WITHIN = 1e-2
 
 def cost_words(store: Store) -> list[str]:
     """One sentence a scene, the cheapest engine first and our own at the end, as times real time at the settings that do."""
-    engines = store.catalogue.get("engines", {})
-    titles = {name: str(about.get("title") or name) for name, about in engines.items()}
-    ours = {name for name, about in engines.items() if about.get("ours")}
-    return [sentence for one in agreements(store) if one.agreed and (sentence := _sentence(store, one, titles, ours))]
+    ours = {name for name, about in store.catalogue.get("engines", {}).items() if about.get("ours")}
+    return [sentence for one in agreements(store) if one.agreed and (sentence := _sentence(store, one, store.titles, ours))]
 
 
 def best_price(store: Store, agreement: Agreement) -> Price | None:

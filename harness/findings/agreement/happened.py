@@ -2,10 +2,10 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 
 from plumbline.harness.findings.agreement.values import Agreement
 from plumbline.harness.findings.agreement.words import angle_words, called, distance_words, listed
+from plumbline.harness.findings.once import once
 from plumbline.harness.scene import Scene
 from plumbline.harness.scene.file import parse
 from plumbline.harness.store.store import Store
@@ -29,7 +29,7 @@ class Happened:
     events: tuple[Event, ...]
 
 
-@lru_cache(maxsize=512)
+@once
 def events_of(store: Store, trial: str) -> tuple[Event, ...]:
     """Of one run of the store."""
     (name,) = store.trials.loc[store.trials["trial"] == trial, "trajectory_hash"]

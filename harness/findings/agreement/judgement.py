@@ -18,7 +18,7 @@ from itertools import combinations
 
 import numpy as np
 
-from plumbline.harness.findings.agreement.values import Agreement, Difference, Side, Word
+from plumbline.harness.findings.agreement.values import Agreement, CampGap, Side, Word
 from plumbline.harness.scene import Scene
 from plumbline.harness.search.own_limits import OwnLimit, granted_of
 from plumbline.harness.statistics.agreement_clusters import camps
@@ -123,7 +123,7 @@ def _in_camps(
     # Whose limit is known for long speaks before one that is sharp for a moment.
     widths = [side.limit.bar_at(shortest) + max(until - side.limit.until, 0.0) * _SHORT for side in known]
     letters = {
-        (side.engine, side.track): tuple(_letter(number) for number in camp)
+        (side.engine, side.track): tuple(chr(ord("A") + number % 26) * (1 + number // 26) for number in camp)
         for side, camp in zip(known, camps(agree, widths), strict=True)
     }
     sides = _counted_tracks([replace(side, camps=letters.get((side.engine, side.track), ())) for side in plain.sides])
@@ -141,10 +141,6 @@ def _majority(made: Agreement, until: float) -> str:
 
 _SHORT = 1.0
 """Share of the size for each second that a limit is not known: more than any bar of one that is."""
-
-
-def _letter(number: int) -> str:
-    return chr(ord("A") + number % 26) * (1 + number // 26)
 
 
 @dataclass(frozen=True, slots=True)
@@ -192,7 +188,7 @@ def _counted_tracks(sides: Sequence[Side]) -> list[Side]:
     return [replace(side, votes=side is chosen.get(side.engine)) for side in sides]
 
 
-def _differences(sides: Sequence[Side], plain: Agreement, scene: Scene) -> tuple[Difference, ...]:
+def _differences(sides: Sequence[Side], plain: Agreement, scene: Scene) -> tuple[CampGap, ...]:
     letters = sorted({side.camps[0] for side in sides if len(side.camps) == 1})
     sharpest = {letter: _known(_sharpest([side for side in sides if side.camps == (letter,)])) for letter in letters}
     differences = []
@@ -200,9 +196,7 @@ def _differences(sides: Sequence[Side], plain: Agreement, scene: Scene) -> tuple
         pair = _compare(sharpest[first], sharpest[second], plain.scale, plain.granted)
         if pair.since is not None:
             name, distance = scene.bodies[pair.body].name, pair.distance
-            differences.append(
-                Difference(one=first, other=second, distance=distance, time=pair.time, since=pair.since, body=name)
-            )
+            differences.append(CampGap(one=first, other=second, distance=distance, time=pair.time, since=pair.since, body=name))
     return tuple(differences)
 
 

@@ -14,6 +14,7 @@ import numpy as np
 from plumbline.harness.case.alteration import UNDROPPED
 from plumbline.harness.findings.agreement.perturbed_starts import horizon_of
 from plumbline.harness.findings.agreement.values import Agreement
+from plumbline.harness.findings.columns import Cell
 from plumbline.harness.findings.steps_taken import step_in_words, substeps_of
 from plumbline.harness.search.own_limits import ANSWERED
 from plumbline.harness.store.store import Store
@@ -24,7 +25,7 @@ _NAMES = ("time", "p_WB", "q_WB")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Omission:
+class Omission(Cell):
     """One engine with what was left out, against itself without.
 
     Terms:
@@ -33,10 +34,6 @@ class Omission:
         none.
     """
 
-    case: str
-    where: str
-    engine: str
-    track: str
     kinds: tuple[str, ...]
     dt: float
     substeps: int

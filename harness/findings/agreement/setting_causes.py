@@ -13,6 +13,7 @@ from typing import Any
 from plumbline.harness.case.alteration import TURNED
 from plumbline.harness.findings.agreement.values import Agreement, Side
 from plumbline.harness.findings.agreement.words import length, listed
+from plumbline.harness.findings.columns import Cell
 from plumbline.harness.search.own_limits import ANSWERED, read_run
 from plumbline.harness.store.store import Store
 from plumbline.harness.trajectory import Trajectory
@@ -23,7 +24,7 @@ CLOSES = 0.8
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Turned:
+class Turned(Cell):
     """One setting turned alone.
 
     Terms: setting, value: which, and to what. towards: the track or 'limit' that is to be met. dt [s]. before, after: the
@@ -31,10 +32,6 @@ class Turned:
     closes: the share of the distance that is gone; negative where it grows. cause: is it enough, and the most of all?
     """
 
-    case: str
-    where: str
-    engine: str
-    track: str
     setting: str
     value: str
     towards: str

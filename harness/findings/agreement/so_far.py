@@ -34,7 +34,7 @@ def words_so_far(store: Store, agreement: Agreement, titles: Mapping[str, str]) 
     """Who lies together and who does not, then what happens at the finest of the steps."""
     by_word = {word: [side for side in agreement.sides if side.word == word] for word in SO_FAR}
     parts = [
-        f"{SO_FAR[word]}{_how(word, sides, agreement)}: {_who(sides, agreement, titles)}"
+        f"{SO_FAR[word]}{_how(word, sides, agreement)}: {called([(s.engine, s.track) for s in sides], agreement, titles)}"
         for word, sides in by_word.items()
         if sides
     ]
@@ -48,7 +48,3 @@ def _how(word: Word, sides: list[Side], agreement: Agreement) -> str:
         return f" {up_to(agreement, agreement.until)}"
     away = max((side.distance or 0.0 for side in sides), default=0.0)
     return f", by {length(away, agreement)} at most" if word == "converges elsewhere" else ""
-
-
-def _who(sides: list[Side], agreement: Agreement, titles: Mapping[str, str]) -> str:
-    return called([(side.engine, side.track) for side in sides], agreement, titles)

@@ -44,7 +44,7 @@ class Side:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Difference:
+class CampGap:
     """Two camps. Terms: distance: the largest of their sharpest members, as a share of the size, up to `time` [s], the last
     that both are known at; since [s]: from then on further than their bars; body: that lies apart most."""
 
@@ -76,7 +76,7 @@ class Agreement:
     scale: Extent
     granted: float
     sides: tuple[Side, ...]
-    differences: tuple[Difference, ...]
+    differences: tuple[CampGap, ...]
     agreed: str = ""
     until: float = 0.0
     bar: float | None = None

@@ -1,14 +1,19 @@
-"""What engines answer, exactly: the same bits are the same answer; others are as good, better or worse; a verdict may flip."""
+"""What engines answer, exactly: the same bits are the same answer; others are as good, better or worse; a verdict may flip.
+
+So it is between two run folders, and of a trial that was run again.
+"""
 
 import json
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Literal
 
-from plumbline.harness.findings.changes.matching import Pair, located
-from plumbline.harness.findings.changes.values import Change, Kind, Sense
+from plumbline.harness.adapter.promised_bits import only_here
+from plumbline.harness.findings.changes.matching import TrialPair, located
+from plumbline.harness.findings.changes.values import Change, ChangeKind, Sense
 from plumbline.harness.findings.prices import LEAST
+from plumbline.harness.store.record import Record
 from plumbline.harness.store.store import Store
 from plumbline.harness.trial.ensemble import HELD
 
@@ -23,20 +28,14 @@ def as_good(status: str, before: str) -> bool:
     return _RANK.get(status, 0) <= _RANK.get(before, len(_RANK))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class _Reading:
-    """One metric of a pair. Terms: values in the metric's unit; low..high: of the ratio, by what the truths may be off, None
-    where they are exact; excess: the difference over what is tolerated."""
+    """One metric of a pair. Terms: excess: the difference over what is tolerated. fields: of a `Change` that say what was
+    measured; low..high of the ratio by what the truths may be off, None where they are exact."""
 
-    metric: str
-    unit: str
-    before: float
-    after: float
     sense: Sense
-    ratio: float | None
-    low: float | None
-    high: float | None
     excess: float
+    fields: Mapping[str, Any]
 
 
 class _Readings:
@@ -47,7 +46,7 @@ class _Readings:
         self._values = [_by_trial(store) for store in (store_a, store_b)]
         self._last_bit = [_last_bit(store, values) for store, values in zip((store_a, store_b), self._values, strict=True)]
 
-    def of(self, pair: Pair) -> list[_Reading]:
+    def of(self, pair: TrialPair) -> list[_Reading]:
         """Of the headline and of all that has a bound, the farthest beyond tolerance first."""
         case = self._cases.get(pair.b.case, {})
         here, there = (values.get(row.trial, {}) for values, row in zip(self._values, (pair.a, pair.b), strict=True))
@@ -60,7 +59,7 @@ class _Readings:
             (self._reading(pair, case, here[name], there[name]) for name in judging), key=lambda reading: -reading.excess
         )
 
-    def _reading(self, pair: Pair, case: Mapping[str, Any], a: Any, b: Any) -> _Reading:
+    def _reading(self, pair: TrialPair, case: Mapping[str, Any], a: Any, b: Any) -> _Reading:
         before, after, bound = float(a.value), float(b.value), _number(b.at_most)
         off_a, off_b = (_number(getattr(row, "truth_error", 0.0), 0.0) for row in (a, b))
         better = next(
@@ -87,17 +86,16 @@ class _Readings:
             sense = _way((step > 0) != higher, excess <= 1)
         known = off_a + off_b > 0 and before > off_a
         positive = math.isfinite(step) and before > 0 and after > 0
-        return _Reading(
-            metric=str(a.metric),
-            unit=str(b.unit),
-            before=before,
-            after=after,
-            sense=sense,
-            ratio=after / before if positive else None,
-            low=max(after - off_b, 0.0) / (before + off_a) if positive and known else None,
-            high=(after + off_b) / (before - off_a) if positive and known else None,
-            excess=excess,
-        )
+        fields = {
+            "metric": str(a.metric),
+            "unit": str(b.unit),
+            "before": before,
+            "after": after,
+            "ratio": after / before if positive else None,
+            "low": max(after - off_b, 0.0) / (before + off_a) if positive and known else None,
+            "high": (after + off_b) / (before - off_a) if positive and known else None,
+        }
+        return _Reading(sense, excess, fields)
 
 
 def _way(worse: bool, tolerated: bool) -> Sense:
@@ -137,7 +135,7 @@ def _last_bit(store: Store, values: Mapping[str, Mapping[str, Any]]) -> dict[tup
     return moved
 
 
-def answer_changes(store_a: Store, store_b: Store, pairs: Sequence[Pair]) -> Iterator[Change]:
+def answer_changes(store_a: Store, store_b: Store, pairs: Sequence[TrialPair]) -> Iterator[Change]:
     """A row for each pair whose verdict, bits or measured values differ; its metric is the one that changed most."""
     readings = _Readings(store_a, store_b)
     for pair in pairs:
@@ -145,7 +143,7 @@ def answer_changes(store_a: Store, store_b: Store, pairs: Sequence[Pair]) -> Ite
             yield _flip(pair, readings.of(pair), store_b.catalogue)
             continue
         judged = readings.of(pair)
-        moved = [reading for reading in judged if reading.before != reading.after and reading.excess > 0]
+        moved = [each for each in judged if each.fields["before"] != each.fields["after"] and each.excess > 0]
         if pair.same_bits and moved:
             # The engine said the same: the metric, the bound or the truth is another.
             yield _change("error", "neither", pair, moved[0], store_b.catalogue, "the same bits, measured otherwise")
@@ -154,11 +152,10 @@ def answer_changes(store_a: Store, store_b: Store, pairs: Sequence[Pair]) -> Ite
             yield _change("error", "within tolerance" if worst is None else worst.sense, pair, worst, store_b.catalogue)
 
 
-_OF_A_READING = ("metric", "unit", "before", "after", "ratio", "low", "high")
 _ORDER: tuple[Sense, ...] = ("worse", "better", "within tolerance", "neither")
 
 
-def _flip(pair: Pair, judged: Sequence[_Reading], catalogue: Mapping[str, Any]) -> Change:
+def _flip(pair: TrialPair, judged: Sequence[_Reading], catalogue: Mapping[str, Any]) -> Change:
     before, after = (_RANK.get(row.status) for row in (pair.a, pair.b))
     silent = before is None or after is None or pair.a.status == "unavailable"
     sense: Sense = "neither" if silent or before == after else "worse" if (after or 0) > (before or 0) else "better"
@@ -168,9 +165,37 @@ def _flip(pair: Pair, judged: Sequence[_Reading], catalogue: Mapping[str, Any]) 
 
 
 def _change(
-    kind: Kind, sense: Sense, pair: Pair, reading: _Reading | None, catalogue: Mapping[str, Any], detail: str = ""
+    kind: ChangeKind, sense: Sense, pair: TrialPair, reading: _Reading | None, catalogue: Mapping[str, Any], detail: str = ""
 ) -> Change:
-    change = Change(kind=kind, sense=sense, detail=detail, **located(pair.a, pair.b, catalogue))
-    if reading is None:
-        return change
-    return replace(change, **{name: getattr(reading, name) for name in _OF_A_READING})
+    fields = {} if reading is None else reading.fields
+    return Change(kind=kind, sense=sense, detail=detail, **located(pair.a, pair.b, catalogue), **fields)
+
+
+Likeness = Literal["bit-identical", "as good", "different"]
+AS_GOOD: Likeness = "as good"
+
+
+def likeness(store: Store, then: Mapping[str, Any], now: Record, processor: str) -> Likeness:
+    """How two runs of a trial compare.
+
+    Other bits are as good where the settings promise their bits on one machine alone, this is another one, and the status and
+    each bounded metric are the same, a metric to a hundredth of its bound or of itself.
+
+    Args: then: the row of `Store.trials`. processor: of this machine.
+    """
+    if now.status != then["status"]:
+        return "different"
+    if now.trajectory_hash == then["trajectory_hash"]:
+        return "bit-identical"
+    elsewhere = store.machine.get("processor") != processor
+    measured = store.measurements[store.measurements["trial"] == then["trial"]]
+    before = {row.metric: float(row.value) for row in measured.itertuples()}
+    alike = all(
+        _alike(before.get(one.metric, math.nan), one.value, one.at_most) for one in now.measurements if one.at_most is not None
+    )
+    return AS_GOOD if elsewhere and only_here(now.resolved) and alike else "different"
+
+
+def _alike(before: float, after: float, bound: float | None) -> bool:
+    most = max(abs(before), abs(after), 0.0 if bound is None or math.isnan(bound) else abs(bound))
+    return before == after or abs(after - before) <= SHARE * most

@@ -2,11 +2,12 @@
 
 import json
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
-from plumbline.harness.findings.changes.matching import Pair, requested
-from plumbline.harness.findings.changes.values import Change, Sense
+from plumbline.harness.findings.changes.matching import TrialPair, requested
+from plumbline.harness.findings.changes.values import Change, ChangeKind, Sense
 from plumbline.harness.findings.steps_taken import substeps_of
 from plumbline.harness.store.notices import StoredNotice
 from plumbline.harness.store.store import Store
@@ -29,41 +30,43 @@ def _versions(store: Store) -> dict[str, str]:
     }
 
 
-def source_changes(pairs: Sequence[Pair]) -> Iterator[Change]:
+def source_changes(pairs: Sequence[TrialPair]) -> Iterator[Change]:
     """A row for each text that answers rest on and that is another: an adapter by engine, a case by name, others once."""
-    counts: Counter[tuple[str, str, str, str, str]] = Counter()
-    for pair in pairs:
-        then, now = (json.loads(getattr(row, "sources", "{}")) for row in (pair.a, pair.b))
-        for origin in (*now, *(name for name in then if name not in now)):
-            if then.get(origin) != now.get(origin):
-                engine = pair.b.engine if origin == "adapter" else ""
-                case = pair.b.case if origin == "case" else ""
-                counts[origin, engine, case, str(then.get(origin, "")), str(now.get(origin, ""))] += 1
-    for (origin, engine, case, before, after), count in counts.items():
-        yield Change(
-            kind="sources", sense="neither", engine=engine, case=case, metric=origin, before=before, after=after, count=count
-        )
+
+    def about(row: Any, origin: str) -> dict[str, str]:
+        return {"engine": row.engine if origin == "adapter" else "", "case": row.case if origin == "case" else ""}
+
+    return _counted("sources", pairs, lambda row: json.loads(getattr(row, "sources", "{}")), about, "")
 
 
-def setting_changes(pairs: Sequence[Pair]) -> Iterator[Change]:
+def setting_changes(pairs: Sequence[TrialPair]) -> Iterator[Change]:
     """A row for each setting of an engine's track that was asked for otherwise."""
-    counts: Counter[tuple[str, str, str, str, str]] = Counter()
+
+    def asked(row: Any) -> dict[str, Any]:
+        settings = requested(row)
+        options = settings.pop("options", None) or {}
+        return settings | {f"option {name}": value for name, value in options.items()}
+
+    return _counted("settings", pairs, asked, lambda row, _: {"engine": row.engine, "track": row.track}, None)
+
+
+def _counted(
+    kind: ChangeKind,
+    pairs: Sequence[TrialPair],
+    read: Callable[[Any], Mapping[str, Any]],
+    about: Callable[[Any, str], Mapping[str, Any]],
+    none: str | None,
+) -> Iterator[Change]:
+    """A row for each thing that trials say otherwise, with how many. Args: read: things by name. about: what a row is of."""
+    counts: Counter[Change] = Counter()
     for pair in pairs:
-        then, now = (_flat(requested(row)) for row in (pair.a, pair.b))
-        for name in (*now, *(name for name in then if name not in now)):
+        then, now = read(pair.a), read(pair.b)
+        for name in {**now, **then}:
+            before, after = then.get(name, none), now.get(name, none)
             if then.get(name) != now.get(name):
-                counts[pair.b.engine, pair.b.track, name, str(then.get(name)), str(now.get(name))] += 1
-    for (engine, track, name, before, after), count in counts.items():
-        yield Change(
-            kind="settings", sense="neither", engine=engine, track=track, metric=name, before=before, after=after, count=count
-        )
-
-
-def _flat(settings: Mapping[str, Any]) -> dict[str, Any]:
-    options = settings.get("options") or {}
-    return {name: value for name, value in settings.items() if name != "options"} | {
-        f"option {k}": v for k, v in options.items()
-    }
+                told = about(pair.b, name)
+                counts[Change(kind=kind, sense="neither", **told, metric=name, before=str(before), after=str(after))] += 1
+    yield from (replace(change, count=count) for change, count in counts.items())
 
 
 def machine_changes(store_a: Store, store_b: Store) -> Iterator[Change]:
@@ -77,7 +80,7 @@ def machine_changes(store_a: Store, store_b: Store) -> Iterator[Change]:
             yield Change(kind="machine", sense="neither", metric=name, before=str(before), after=str(after))
 
 
-def trial_changes(pairs: Sequence[Pair]) -> Iterator[Change]:
+def trial_changes(pairs: Sequence[TrialPair]) -> Iterator[Change]:
     """A row for each case and engine that has trials on one side only: how many A had of them, and how many B has."""
     alone: dict[tuple[str, str, str], list[int]] = {}
     for pair in pairs:
@@ -91,9 +94,9 @@ def trial_changes(pairs: Sequence[Pair]) -> Iterator[Change]:
         )  # fmt: skip
 
 
-def warning_changes(store_a: Store, store_b: Store, pairs: Sequence[Pair]) -> Iterator[Change]:
+def warning_changes(store_a: Store, store_b: Store, pairs: Sequence[TrialPair]) -> Iterator[Change]:
     """A row for each warning that came, went, or has other words in a case on an engine; what the clock ran into is none."""
-    noticed: dict[tuple[str, str, str, StoredNotice, bool, bool], list[Pair]] = {}
+    noticed: dict[tuple[str, str, str, StoredNotice, bool, bool], list[TrialPair]] = {}
     for pair in pairs:
         then, now = _said(store_a, pair.a), _said(store_b, pair.b)
         old, new = ({_about(notice) for notice in side if notice.kind != "note"} for side in (then, now))

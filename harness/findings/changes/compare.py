@@ -12,13 +12,10 @@ from plumbline.harness.findings.changes.circumstances import (
     version_changes,
     warning_changes,
 )
-from plumbline.harness.findings.changes.limits import limit_changes
-from plumbline.harness.findings.changes.matching import LOST, Pair, matched, scene_of
-from plumbline.harness.findings.changes.own_verdicts import own_verdict_changes
+from plumbline.harness.findings.changes.matching import LOST, TrialPair, matched, scene_of
 from plumbline.harness.findings.changes.prices import clocked, judged_prices, price_changes
-from plumbline.harness.findings.changes.repetitions import repetition_changes
-from plumbline.harness.findings.changes.values import Change, Changes, Judged, Side
-from plumbline.harness.findings.changes.weights import heaviest_first
+from plumbline.harness.findings.changes.studied import limit_changes, own_verdict_changes, repetition_changes
+from plumbline.harness.findings.changes.values import Change, Changes, ComparedRun, Judged, heaviest_first
 from plumbline.harness.store.journal import StoreError
 from plumbline.harness.store.machine_fingerprint import machine_digest
 from plumbline.harness.store.store import Store
@@ -76,7 +73,7 @@ def _cell(row: Any) -> tuple[str, str, str]:
     return scene_of(str(row.case)), str(row.engine), str(row.track).partition(",")[0]
 
 
-def _judged(store_a: Store, store_b: Store, pairs: Sequence[Pair]) -> dict[str, Judged]:
+def _judged(store_a: Store, store_b: Store, pairs: Sequence[TrialPair]) -> dict[str, Judged]:
     """By engine, how much of these pairs could be judged."""
     judged = dict.fromkeys((str(pair.b.engine) for pair in pairs), Judged())
     for pair in pairs:
@@ -97,9 +94,9 @@ def _where_kept(read: Callable[[], Iterator[Change]], what: str, unread: list[st
         return []
 
 
-def _side(store: Store) -> Side:
+def _side(store: Store) -> ComparedRun:
     versions = store.trials.groupby("engine")["engine_version"].agg(lambda column: ", ".join(sorted(set(map(str, column)))))
-    return Side(
+    return ComparedRun(
         folder=str(store.folder),
         study=str(store.study.get("name", "")),
         started=str(store.machine.get("started", "")),

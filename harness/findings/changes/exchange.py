@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from datetime import datetime
 from typing import Any
 
-from plumbline.harness.findings.changes.matching import where_of
+from plumbline.harness.findings.parameter_words import where_of
 from plumbline.harness.store.machine_fingerprint import machine_digest
 from plumbline.harness.store.record import digest
 from plumbline.harness.store.store import Store
@@ -33,7 +33,7 @@ class _Figure:
 
 def _name(row: Any, store: Store) -> str:
     """The case; a trial that departs from the case's parameters, or counts something else than steps, is another benchmark."""
-    where = where_of(row, store.catalogue)
+    where = where_of(store.catalogue, row.case, row.parameters)
     unit = row.unit if isinstance(row.unit, str) and row.unit != "step" else ""
     return str(row.case) + (f"({where})" if where else "") + (f".{unit}" if unit else "")
 

@@ -7,12 +7,13 @@ import json
 from collections import Counter
 from collections.abc import Collection, Hashable, Iterable, Mapping
 from dataclasses import dataclass
+from operator import attrgetter
 from pathlib import PurePath
 from typing import Any
 
 from plumbline.harness.case.own_titles import OWN
+from plumbline.harness.findings.parameter_words import where_of
 from plumbline.harness.findings.steps_taken import substeps_of
-from plumbline.harness.findings.variant_of import in_words, other_values
 from plumbline.harness.store.store import Store
 
 _ASKED = (
@@ -31,7 +32,7 @@ LOST = ("crashed", "oom", "timeout", "unavailable", "interrupted")
 
 
 @dataclass(frozen=True, slots=True)
-class Pair:
+class TrialPair:
     """Rows of the tables `trials` that ask the same; one of them None where the other folder has no such trial."""
 
     a: Any
@@ -53,7 +54,7 @@ class Pair:
         return isinstance(self.a.trajectory_hash, str) and self.a.trajectory_hash == self.b.trajectory_hash
 
 
-def matched(store_a: Store, store_b: Store, *, renamed: bool = False) -> tuple[Pair, ...]:
+def matched(store_a: Store, store_b: Store, *, renamed: bool = False) -> tuple[TrialPair, ...]:
     """Every trial of both folders once, in the order of B and then of what A has alone.
 
     Args: renamed: every trial of B by what it asks, whatever study and experiment ask it, beside the last of A that asks it.
@@ -61,15 +62,16 @@ def matched(store_a: Store, store_b: Store, *, renamed: bool = False) -> tuple[P
     rows_a, rows_b = (list(store.trials.itertuples()) for store in (store_a, store_b))
     if renamed:
         asked = {_key(row, _NAMES): row for row in rows_a}
-        return tuple(Pair(asked.get(_key(row, _NAMES)), row) for row in rows_b)
+        return tuple(TrialPair(asked.get(_key(row, _NAMES)), row) for row in rows_b)
     keys_a, keys_b = ([_key(row) for row in rows] for rows in (rows_a, rows_b))
     ambiguous = {key for keys in (keys_a, keys_b) for key, count in Counter(keys).items() if count > 1}
 
     def named(keys: Iterable[Hashable], rows: Iterable[Any]) -> dict[Hashable, Any]:
-        return {(key, _further(row) if key in ambiguous else ()): row for key, row in zip(keys, rows, strict=True)}
+        apart = attrgetter(*_APART)
+        return {(key, apart(row) if key in ambiguous else ()): row for key, row in zip(keys, rows, strict=True)}
 
     of_a, of_b = named(keys_a, rows_a), named(keys_b, rows_b)
-    return tuple(Pair(of_a.get(key), of_b.get(key)) for key in (*of_b, *(key for key in of_a if key not in of_b)))
+    return tuple(TrialPair(of_a.get(key), of_b.get(key)) for key in (*of_b, *(key for key in of_a if key not in of_b)))
 
 
 def by_question(store: Store) -> dict[Hashable, Any]:
@@ -92,19 +94,9 @@ def scene_of(case: str) -> str:
     return OWN + PurePath(case.removeprefix(OWN)).name if case.startswith(OWN) else case
 
 
-def _further(row: Any) -> Hashable:
-    return tuple(getattr(row, name) for name in _APART)
-
-
 def requested(row: Any) -> dict[str, Any]:
     """The settings that a trial asked for, without where they come from."""
     return {name: value for name, value in json.loads(row.settings).items() if name != "source"}
-
-
-def where_of(row: Any, catalogue: Mapping[str, Any]) -> str:
-    """The parameters in which a trial departs from its case, in words."""
-    own = catalogue.get("cases", {}).get(row.case, {}).get("parameters", {})
-    return in_words(other_values(json.loads(row.parameters), own))
 
 
 def located(a: Any, b: Any, catalogue: Mapping[str, Any]) -> dict[str, Any]:
@@ -113,7 +105,7 @@ def located(a: Any, b: Any, catalogue: Mapping[str, Any]) -> dict[str, Any]:
         "case": b.case,
         "engine": b.engine,
         "track": b.track,
-        "where": where_of(b, catalogue),
+        "where": where_of(catalogue, b.case, b.parameters),
         "dt": float(b.dt),
         "substeps": substeps_of(str(b.resolved)),
         "trial_a": str(a.trial),

@@ -25,10 +25,11 @@ from typing import Any
 
 import numpy as np
 
-from plumbline.harness.findings.changes.matching import Pair, located
+from plumbline.harness.findings.changes.matching import TrialPair, located
 from plumbline.harness.findings.changes.values import Beside, Change, Sense
 from plumbline.harness.statistics.bootstrap import interval_of_drawn
 from plumbline.harness.statistics.student import percentile
+from plumbline.harness.store.rows import grouped
 from plumbline.harness.store.store import Store
 from plumbline.harness.trajectory import Floats, Integers
 
@@ -56,7 +57,7 @@ class _Price:
     steady: the same bits, by the same version and sources; unstable: is either marked so?
     """
 
-    pair: Pair
+    pair: TrialPair
     step: float
     canary: float
     before: "_Samples | None"
@@ -119,12 +120,12 @@ class _Samples:
     run: int
 
 
-def clocked(pairs: Sequence[Pair]) -> list[Pair]:
+def clocked(pairs: Sequence[TrialPair]) -> list[TrialPair]:
     """The pairs with a price on both sides."""
-    return [pair for pair in pairs if all(_positive(row.cpu_per_unit) for row in (pair.a, pair.b))]
+    return [pair for pair in pairs if all((row.cpu_per_unit or 0.0) > 0 for row in (pair.a, pair.b))]
 
 
-def judged_prices(store_a: Store, store_b: Store, pairs: Sequence[Pair]) -> list[Pair]:
+def judged_prices(store_a: Store, store_b: Store, pairs: Sequence[TrialPair]) -> list[TrialPair]:
     """Of the pairs those whose prices can be judged: of the same motion, and stable on both sides."""
     before, after = _samples(store_a), _samples(store_b)
     same = [pair for pair in clocked(pairs) if _same_motion(pair, before, after)]
@@ -132,7 +133,7 @@ def judged_prices(store_a: Store, store_b: Store, pairs: Sequence[Pair]) -> list
 
 
 def price_changes(
-    store_a: Store, store_b: Store, pairs: Sequence[Pair], about: Callable[[Any], bool] = lambda _row: True
+    store_a: Store, store_b: Store, pairs: Sequence[TrialPair], about: Callable[[Any], bool] = lambda _row: True
 ) -> Iterator[Change]:
     """A row for each trial, and one for each engine, whose price changed beyond doubt; and for each trial that is dearer beyond
     its own interval, by a timing too unstable to judge by.
@@ -154,10 +155,6 @@ def price_changes(
                 yield change
 
 
-def _positive(value: Any) -> bool:
-    return value is not None and value == value and value > 0
-
-
 def _samples(store: Store) -> dict[str, _Samples]:
     """All samples by trial."""
     table = store.samples
@@ -172,7 +169,7 @@ def _samples(store: Store) -> dict[str, _Samples]:
     }
 
 
-def _same_motion(pair: Pair, a: Mapping[str, _Samples], b: Mapping[str, _Samples]) -> bool:
+def _same_motion(pair: TrialPair, a: Mapping[str, _Samples], b: Mapping[str, _Samples]) -> bool:
     """Did both clocks run over the same motion? Folders of older versions do not say what a whole run is, the others do."""
     before, after = a.get(pair.a.trial), b.get(pair.b.trial)
     if before is None or after is None:
@@ -181,7 +178,7 @@ def _same_motion(pair: Pair, a: Mapping[str, _Samples], b: Mapping[str, _Samples
     return not run or (before.run in (0, run) and after.run in (0, run) and before.steps % run == after.steps % run == 0)
 
 
-def _price(pair: Pair, a: Mapping[str, _Samples], b: Mapping[str, _Samples]) -> _Price:
+def _price(pair: TrialPair, a: Mapping[str, _Samples], b: Mapping[str, _Samples]) -> _Price:
     step = math.log(pair.b.cpu_per_unit / pair.a.cpu_per_unit)
     before, after, canary = a.get(pair.a.trial), b.get(pair.b.trial), 0.0
     if before is not None and after is not None:
@@ -246,9 +243,7 @@ def _question(price: _Price) -> Hashable:
 
 def _side_by_side(others: Sequence[_Price]) -> dict[Hashable, _Neighbours]:
     """By question, where there are two prices at least; nothing where there are too few of them for a spread."""
-    asked: dict[Hashable, list[_Price]] = {}
-    for price in others:
-        asked.setdefault(_question(price), []).append(price)
+    asked = grouped(others, _question)
     steps = {question: np.array([price.step for price in prices]) for question, prices in asked.items() if len(prices) > 1}
     # About a middle of their own, n values stray by the n-th part of their variance too little.
     apart = [(of - np.median(of)) * math.sqrt(len(of) / (len(of) - 1)) for of in steps.values()]

@@ -1,10 +1,13 @@
-"""What differs between two run folders, as typed rows: sentences are made of them in `harness.findings.changes.words`."""
+"""What differs between two run folders, as typed rows, and how much each weighs: sentences are made of them in
+`harness.findings.changes.words`.
+"""
 
+import math
 from collections.abc import Collection, Iterable, Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from typing import Literal
 
-Kind = Literal[
+ChangeKind = Literal[
     "verdict",
     "error",
     "price",
@@ -21,7 +24,7 @@ Kind = Literal[
 """What changed: a verdict (the status of a trial); an answer, by its error; a price; a limit; whether repetitions give the same
 bits; whether the same digest gives the same answer on another night; what was warned of; which trials there are; an engine's
 version; the texts that an answer rests on; what an engine was set to; the machine."""
-ANSWERS: tuple[Kind, ...] = ("verdict", "error", "price", "limit", "determinism", "digest")
+ANSWERS: tuple[ChangeKind, ...] = ("verdict", "error", "price", "limit", "determinism", "digest")
 """Kinds that say what an engine does: of these a regression can be."""
 
 Sense = Literal["worse", "better", "within tolerance", "neither", "unconfirmed"]
@@ -49,7 +52,7 @@ class Change:
         much it is.
     """
 
-    kind: Kind
+    kind: ChangeKind
     sense: Sense
     case: str = ""
     engine: str = ""
@@ -78,7 +81,7 @@ class Change:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Side:
+class ComparedRun:
     """One of the two run folders. Terms: folder: as it was given. study: its name. started: when, as its machine.json says.
     machine: its digest. trials: how many. versions: of engines, by name."""
 
@@ -124,8 +127,8 @@ class Changes:
     regained, new: trials of B with an answer, whose like in A had lost it; that A was not asked, and no search went on to.
     """
 
-    a: Side
-    b: Side
+    a: ComparedRun
+    b: ComparedRun
     rows: tuple[Change, ...]
     matched: int
     same: int
@@ -144,3 +147,30 @@ class Changes:
         """What of these engines is worse than before."""
         gated = set(engines)
         return tuple(row for row in self.rows if row.regression and row.engine in gated)
+
+
+_GRAVITY: tuple[tuple[ChangeKind, Sense], ...] = (
+    ("verdict", "worse"), ("digest", "worse"), ("determinism", "worse"), ("limit", "worse"), ("error", "worse"),
+    ("price", "worse"),
+    ("verdict", "better"), ("limit", "better"), ("error", "better"), ("price", "better"), ("determinism", "better"),
+    ("price", "unconfirmed"),
+    ("version", "neither"), ("warning", "worse"), ("warning", "better"), ("warning", "neither"), ("verdict", "neither"),
+    ("settings", "neither"), ("error", "neither"), ("sources", "neither"), ("machine", "neither"), ("trials", "neither"),
+    ("limit", "within tolerance"), ("error", "within tolerance"), ("limit", "neither"), ("determinism", "neither"),
+)  # fmt: skip
+"""The gravest first: what is wrong before what is dear, what got worse before what got better, facts about engines before facts
+about the run, and what makes no difference last."""
+
+
+def heaviest_first(rows: Iterable[Change]) -> tuple[Change, ...]:
+    """The same rows with their weights, sorted."""
+    weighed = (replace(row, weight=len(_GRAVITY) - _GRAVITY.index((row.kind, row.sense)) + _size(row)) for row in rows)
+    return tuple(sorted(weighed, key=lambda row: (-row.weight, row.case, row.engine, row.track, row.dt, row.metric)))
+
+
+def _size(row: Change) -> float:
+    """Below 1 and growing with the ratio; 1/2 for a factor of two, and more for what is said of an engine as a whole."""
+    by_ratio = abs(math.log2(row.ratio)) if row.ratio is not None and 0 < row.ratio < math.inf else 0.0
+    by_count = (math.log2(row.count) / 100 if row.case else 1.0) if row.count > 1 else 0.0
+    size = by_ratio + by_count
+    return size / (1 + size) * (1 - 1e-9)

@@ -9,20 +9,22 @@ import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import lru_cache
-from statistics import median
+from functools import cached_property
+from operator import attrgetter, itemgetter
+from statistics import geometric_mean, median
 from typing import Any, TypeVar
 
-from plumbline.harness.findings.agreement import AGREED_TRUTH
+from plumbline.harness.findings.agreement.found import AGREED_TRUTH
 from plumbline.harness.findings.limits_found import CONSTANT, searches_if_described
+from plumbline.harness.findings.once import once
 from plumbline.harness.findings.prices import number, priced
 from plumbline.harness.findings.selection.wish import Wish
 from plumbline.harness.findings.speed import BEYOND, Side, Speed, speeds
 from plumbline.harness.findings.steps_taken import substeps_of, substeps_taken
 from plumbline.harness.findings.tables.agreement import TABLE as AGREEMENT
-from plumbline.harness.findings.tables.determinism import agreements as repetitions
+from plumbline.harness.findings.tables.determinism import repetitions
 from plumbline.harness.metric.titles import metric_title
-from plumbline.harness.store.rows import records
+from plumbline.harness.store.rows import grouped, records
 from plumbline.harness.store.store import Store
 
 DECADES_OF_ERROR, DECADES_OF_SPEED = math.log10(BEYOND), 2.0
@@ -81,13 +83,29 @@ class Evidence:
     speeds: Mapping[tuple[str, str], Speed] = field(default_factory=dict)
     own: frozenset[str] = frozenset()
 
-    def typical(self, criterion: str, engine: str) -> float | None:
-        """The median over the cases of the error or the speed of an engine; None where it has none in half of them."""
-        figures = [
-            datum.figure for (of, _, name), datum in self.table.items() if (of, name) == (criterion, engine) and datum.figure
-        ]
-        counted = sum((of, name) == (criterion, engine) for of, _, name in self.table)
-        return median(figures) if figures and 2 * len(figures) >= counted else None
+    def error(self, engine: str) -> float | None:
+        """The median over the cases of an engine's error, a share of their scale; None where it has none in half of them."""
+        mine = [datum for (of, _, name), datum in self.table.items() if (of, name) == ("accuracy", engine)]
+        figures = [datum.figure for datum in mine if datum.figure is not None]
+        return median(figures) if figures and 2 * len(figures) >= len(mine) else None
+
+    @cached_property
+    def compared(self) -> tuple[str, ...]:
+        """The cases in which each engine has a speed, of the engines that have one in half of the cases."""
+        mine = {engine: {case for case, name in self.speeds if name == engine} for engine in self.engines}
+        fast = [cases for cases in mine.values() if 2 * len(cases) >= len(self.cases)]
+        return tuple(case for case in self.cases if fast and all(case in cases for cases in fast))
+
+    def speed(self, engine: str) -> float | None:
+        """The geometric mean of an engine's speeds over the cases `compared`, in times real time, so that ratios of such means
+        are means of ratios; None where it lacks one."""
+        mine = [self.speeds[case, engine].times for case in self.compared if (case, engine) in self.speeds]
+        return geometric_mean(mine) if mine and len(mine) == len(self.compared) else None
+
+    def passed(self, engine: str) -> tuple[int, int]:
+        """In how many cases an engine errs by no more than was asked and holds every other check, and of how many."""
+        values = [datum.value for (of, _, name), datum in self.table.items() if (of, name) == ("accuracy", engine)]
+        return sum(value >= 1 for value in values), len(values)
 
 
 def _useful(times: float, decades: float) -> float:
@@ -119,25 +137,21 @@ def _of_cases(data: Mapping[_By, Datum], cases: Mapping[str, float]) -> dict[_By
     return {key: datum for key, datum in data.items() if key[0] in cases}
 
 
-@lru_cache(maxsize=1)
+@once
 def _judged(store: Store) -> Mapping[Side, list[dict[str, Any]]]:
     """The trials that say something of an engine, with the columns `_JUDGED`, by case, engine and track."""
-    groups: dict[Side, list[dict[str, Any]]] = {}
-    for row in records(store.asked.loc[~store.asked["status"].isin(_NOT_ASKED), _JUDGED]):
-        groups.setdefault((row["case"], row["engine"], row["track"]), []).append(row)
-    return groups
+    told = store.asked.loc[~store.asked["status"].isin(_NOT_ASKED), _JUDGED]
+    return grouped(records(told), itemgetter("case", "engine", "track"))
 
 
-@lru_cache(maxsize=1)
+@once
 def _failing(store: Store) -> Mapping[str, list[dict[str, Any]]]:
     """The measurements that failed a check, by trial."""
-    measured: dict[str, list[dict[str, Any]]] = {}
-    for m in records(store.measurements[store.measurements["passed"].eq(False).fillna(False)]):
-        measured.setdefault(str(m["trial"]), []).append(m)
-    return measured
+    failed = store.measurements[store.measurements["passed"].eq(False).fillna(False)]
+    return grouped(records(failed), itemgetter("trial"))
 
 
-@lru_cache(maxsize=8)
+@once
 def _accuracy(store: Store, target: float) -> dict[Side, Datum]:
     """By case, engine and track, of the run that the speed is taken from; without one, of the run at the case's own step."""
     prices, fast, about_cases = priced(store), speeds(store, target), store.catalogue.get("cases", {})
@@ -170,7 +184,7 @@ def _accuracy(store: Store, target: float) -> dict[Side, Datum]:
     return data
 
 
-@lru_cache(maxsize=1)
+@once
 def _robustness(store: Store) -> dict[Side, Datum]:
     data: dict[Side, Datum] = {}
     for (case, engine, track), group in _judged(store).items():
@@ -183,7 +197,7 @@ def _robustness(store: Store) -> dict[Side, Datum]:
     return data
 
 
-@lru_cache(maxsize=1)
+@once
 def _limits(store: Store) -> dict[tuple[str, str], Datum]:
     """The farthest of an engine's tracks in each case, without remedies; between what held and the next that was tried."""
     data: dict[tuple[str, str], Datum] = {}
@@ -203,26 +217,18 @@ def _limits(store: Store) -> dict[tuple[str, str], Datum]:
     return data
 
 
-@lru_cache(maxsize=1)
+@once
 def _determinism(store: Store) -> dict[tuple[str, str], Datum]:
-    groups: dict[tuple[str, str], list[bool]] = {}
-    trials: dict[tuple[str, str], str] = {}
-    for repetition in repetitions(store):
-        if repetition.must and repetition.verdict in ("bit-identical", "differs"):
-            key = repetition.case, repetition.engine
-            groups.setdefault(key, []).append(repetition.verdict == "bit-identical")
-            trials.setdefault(key, repetition.trial)
-    return {
-        key: Datum.of(
-            sum(same) / len(same),
-            trial=trials[key],
-            says=f"{sum(same)} of {len(same)} repetitions have the same bits",
-        )
-        for key, same in groups.items()
-    }
+    told = (each for each in repetitions(store) if each.must and each.verdict in ("bit-identical", "differs"))
+    data = {}
+    for key, mine in grouped(told, attrgetter("case", "engine")).items():
+        same = sum(each.verdict == "bit-identical" for each in mine)
+        says = f"{same} of {len(mine)} repetitions have the same bits"
+        data[key] = Datum.of(same / len(mine), trial=mine[0].trial, says=says)
+    return data
 
 
-@lru_cache(maxsize=1)
+@once
 def _unclocked(store: Store) -> frozenset[tuple[str, str]]:
     """Cases and engines with an answer and no time of a step: nothing is known of their speed."""
     timed = store.asked[store.asked["status"].isin(_ANSWERED)]
@@ -334,7 +340,7 @@ def _own(store: Store) -> frozenset[str]:
     )
 
 
-@lru_cache(maxsize=1)
+@once
 def _capabilities(store: Store) -> dict[tuple[str, str], Datum]:
     """By case and engine."""
     data: dict[tuple[str, str], Datum] = {}

@@ -31,8 +31,10 @@ def ranking(answer: Answer) -> list[dict[str, Any]]:
                 "engine": entry.engine,
                 "place": entry.number,
                 "first": None if answer.alone else entry.first,
-                "speed": answer.evidence.typical("speed", entry.engine),
-                "error": answer.evidence.typical("accuracy", entry.engine),
+                "speed": answer.evidence.speed(entry.engine),
+                "error": answer.evidence.error(entry.engine),
+                "passed": answer.evidence.passed(entry.engine)[0],
+                "judged": answer.evidence.passed(entry.engine)[1],
                 "score": entry.score,
                 "low": entry.low,
                 "high": entry.high,
@@ -45,7 +47,9 @@ def ranking(answer: Answer) -> list[dict[str, Any]]:
             }
         )
     blank = dict.fromkeys(
-        rows[0] if rows else ("place", "first", "speed", "error", "score", "low", "high", "track", *CRITERIA, "alone")
+        rows[0]
+        if rows
+        else ("place", "first", "speed", "error", "passed", "judged", "score", "low", "high", "track", *CRITERIA, "alone")
     )
     for drop in answer.dropped:
         why = f"{drop.requirement}: {drop.value}"

@@ -5,6 +5,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 from plumbline.harness.findings.selection.choose import EXPRESSED, Answer
 from plumbline.harness.findings.selection.doubt import Turn
+from plumbline.harness.findings.selection.rank import DRAWS
 from plumbline.harness.findings.selection.wish import Dropped
 
 Titled = Callable[[str], str]
@@ -22,6 +23,13 @@ SENTENCES: Mapping[str, str] = {
     "expressed": "{engine} is left out: it can express no scene that counts.",
 }
 """What the first sentence can be, and what follows it; the script of the page on selection fills in the same ones."""
+COLUMN_WORDS = (
+    f"First in: the share of {DRAWS} resamples (cases, timings and weights drawn anew) in which it leads; places go by it.",
+    "Passes: cases with no more than the error asked for, and every other check held.",
+    "Speed: times real time, the geometric mean over the cases in which the engines have one. Error: that of the median case, "
+    "in % of its scale.",
+)
+"""What stands in the table of places, for a terminal and for pages."""
 CLEAR = 0.5
 """The share of resamples from which on the first engine is named alone: it leads more often than all others together."""
 FEW = 8
@@ -78,7 +86,6 @@ def error_percent(error: float) -> str:
 
 
 _BETTER: Mapping[str, str] = {
-    "accuracy": "errs less",
     "limits": "holds harder cases",
     "robustness": "fails to answer less often",
     "determinism": "repeats the same bits more often",
@@ -87,7 +94,7 @@ _BETTER: Mapping[str, str] = {
 
 
 def trade(answer: Answer, titled: Titled) -> str:
-    """What the first two engines trade: 'MuJoCo is 3x faster; DART errs less (6 of 7 cases within 1 %, MuJoCo 4).'; '' if
+    """What the first two engines trade: 'MuJoCo is 3x faster; DART passes 6 of 7 cases at 1 % error, MuJoCo 4.'; '' if
     nothing sets them apart. Args: titled: an engine's name to its title."""
     if answer.rank is None or len(answer.rank.places) < 2:
         return ""
@@ -96,11 +103,12 @@ def trade(answer: Answer, titled: Titled) -> str:
     for name in answer.rank.counted:
         better, worse = sorted(pair, key=lambda entry: -entry.by_criterion[name])
         if better.by_criterion[name] - worse.by_criterion[name] >= TRADED:
-            words = _faster(answer, better.engine, worse.engine) if name == "speed" else _BETTER[name]
-            if name == "accuracy":
-                within = [_within(answer, entry.engine) for entry in (better, worse)]
-                cases = f"{within[0]} of {answer.rank.counted[name]} cases within {100 * answer.wish.max_error:g} %"
-                words += f" ({cases}, {titled(worse.engine)} {within[1]})" if within[0] > within[1] else ""
+            if name == "speed":
+                words = _faster(answer, better.engine, worse.engine)
+            elif name == "accuracy":
+                words = _nearer(answer, better.engine, worse.engine, titled)
+            else:
+                words = _BETTER[name]
             if words:
                 parts[better.engine].append(words)
     phrases = [f"{titled(engine)} {_listed(mine)}" for engine, mine in parts.items() if mine]
@@ -108,22 +116,19 @@ def trade(answer: Answer, titled: Titled) -> str:
 
 
 def _faster(answer: Answer, fast: str, slow: str) -> str:
-    """'is 3x faster' by the geometric mean of both engines' speeds; '' if that says otherwise."""
-    speeds = answer.evidence.speeds
-    logs = [
-        math.log(speeds[case, fast].times / speeds[case, slow].times)
-        for case, name in speeds
-        if name == fast and (case, slow) in speeds
-    ]
-    if not logs:
+    """'is 3x faster' by the speeds that stand beside the answer; '' if they say otherwise."""
+    mine, other = answer.evidence.speed(fast), answer.evidence.speed(slow)
+    if mine is None or other is None:
         return "passes cases that the other does not"
-    times = math.exp(sum(logs) / len(logs))
-    return f"is {times:.2g}\N{MULTIPLICATION SIGN} faster" if times >= FASTER else ""
+    return f"is {mine / other:.2g}\N{MULTIPLICATION SIGN} faster" if mine / other >= FASTER else ""
 
 
-def _within(answer: Answer, engine: str) -> int:
-    table = answer.evidence.table.items()
-    return sum((of, name) == ("accuracy", engine) and datum.value >= 1 for (of, _, name), datum in table)
+def _nearer(answer: Answer, near: str, far: str, titled: Titled) -> str:
+    """'passes 6 of 7 cases at 1 % error, MuJoCo 4'; of as many, that it misses the others by less."""
+    (most, cases), (least, _) = answer.evidence.passed(near), answer.evidence.passed(far)
+    if most <= least:
+        return "misses by less in the cases that it does not pass"
+    return f"passes {most} of {cases} cases at {100 * answer.wish.max_error:g} % error, {titled(far)} {least}"
 
 
 def decisive(answer: Answer, titled: Titled, called: Titled) -> tuple[str, str]:
@@ -136,9 +141,11 @@ def decisive(answer: Answer, titled: Titled, called: Titled) -> tuple[str, str]:
         return "No single figure that a built-in study measures would decide it: it rests on which cases count.", ""
     what = "speed" if decider.criterion == "speed" else "limit"
     took = f"{decider.runs} run{'' if decider.runs == 1 else 's'} of it here took {decider.seconds:.2g} s"
-    then = f"{titled(answer.rank.places[0].engine)} would be first in {percent(decider.low)} to {percent(decider.high)}"
+    first, low, high = titled(answer.rank.places[0].engine), percent(decider.low), percent(decider.high)
+    then = f"{first}'s share will then lie between {low} and {high}"
     return (
-        f"What would decide it: the {what} of {titled(decider.engine)} in “{called(decider.case)}”; {then} ({took}).",
+        f"What would decide it: to measure the {what} of {titled(decider.engine)} in “{called(decider.case)}” further; "
+        f"{then} ({took}).",
         decider.command,
     )
 

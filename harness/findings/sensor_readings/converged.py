@@ -5,13 +5,13 @@ Its ladder of steps gives each reading several times. Where all are finite they 
 """
 
 from collections.abc import Mapping
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
 
-from plumbline.harness.findings.agreement import agreements
+from plumbline.harness.findings.agreement.found import agreements
 from plumbline.harness.findings.agreement.values import Agreement
+from plumbline.harness.findings.once import once
 from plumbline.harness.statistics.richardson import extrapolate
 from plumbline.harness.store.store import Store
 from plumbline.harness.trajectory import Floats
@@ -20,7 +20,7 @@ ROUND_OFF = 1e-12
 """Relative: of a reading, over some thousand steps."""
 
 
-@lru_cache(maxsize=8)
+@once
 def converged_readings(store: Store, case: str) -> Mapping[str, Floats]:
     """Streams 'truth_stream:<sensor>/<channel>_ideal' and their times, as a stored truth has them; empty where no limit is
     agreed to the end of the run."""

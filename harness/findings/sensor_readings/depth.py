@@ -10,14 +10,14 @@ Quantization Noise (2008), chapter 4 (a step's uniform error).
 
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from plumbline.harness.findings.sensor_readings.channel import Channel
-from plumbline.harness.findings.sensor_readings.noise import Noise, lost_share, spread, spread_interval
+from plumbline.harness.findings.sensor_readings.noise import Noise, NoiseCurve, lost_share, spread, spread_interval
 from plumbline.harness.scene import DepthCamera
 from plumbline.harness.trajectory import Floats
 
@@ -29,18 +29,6 @@ UNTOLD = ("shot_sigma", "multipath")
 """Words of a law whose part in the spread hangs on more than the depth."""
 
 Law = Mapping[str, Any]
-
-
-@dataclass(frozen=True, slots=True)
-class Levels:
-    """Spread of depth over depth: mean depth (k,) m of each stretch, standard deviation found (k,) m with its 95 % interval,
-    and by law (k,) m."""
-
-    depth: Floats
-    sigma: Floats
-    low: Floats
-    high: Floats
-    law: Floats
 
 
 def _law_of(channel: Channel) -> Law | None:
@@ -98,8 +86,11 @@ def _told(channel: Channel, law: Law) -> tuple[Floats | None, NDArray[np.bool_]]
     return sigma, _clear(channel, law, sigma)
 
 
-def depth_levels(channel: Channel) -> Levels | None:
-    """Of a channel with noise; None without, where the law leaves more than the depth to ask for, or with too few pixels."""
+def depth_levels(channel: Channel) -> NoiseCurve | None:
+    """The spread of depth over the mean depth of each stretch, of a channel with noise.
+
+    None without, where the law leaves more than the depth to ask for, or with too few pixels.
+    """
     law = _law_of(channel)
     if law is None:
         return None
@@ -114,8 +105,9 @@ def depth_levels(channel: Channel) -> Levels | None:
     for pixels in np.array_split(order, count):
         spread_found = float(np.sqrt(np.mean(np.square(error[pixels]))))
         expected = float(np.sqrt(np.mean(np.square(by_law[pixels]))))
-        levels.append((float(depth[pixels].mean()), spread_found, *spread_interval(spread_found, len(pixels)), expected))
-    return Levels(*np.array(levels).T)
+        sigma_found, low, high = spread_interval(spread_found, len(pixels))
+        levels.append((float(depth[pixels].mean()), sigma_found, expected, low, high))
+    return NoiseCurve(*np.array(levels).T)
 
 
 def depth_noise(channel: Channel) -> Noise | None:

@@ -4,35 +4,40 @@ A finding tells of the trial that stands nearest to its case's own time step; pr
 the sensors or their bare rays. A trial without readings is a finding without a channel, with its outcome.
 """
 
-import json
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
 from typing import Any
 
 import pandas as pd
 
+from plumbline.harness.findings.columns import known
+from plumbline.harness.findings.once import once
+from plumbline.harness.findings.parameter_words import where_of
 from plumbline.harness.findings.sensor_readings.channel import RAYS, Channel, channels, rays_of
 from plumbline.harness.findings.sensor_readings.converged import converged_readings
-from plumbline.harness.findings.sensor_readings.depth import Levels, depth_levels, depth_noise
-from plumbline.harness.findings.sensor_readings.ideal import Errors, ideal_errors
-from plumbline.harness.findings.sensor_readings.inertial import Allan, allan_curve, inertial_noise
+from plumbline.harness.findings.sensor_readings.depth import depth_levels, depth_noise
+from plumbline.harness.findings.sensor_readings.ideal import IdealErrors, ideal_errors
+from plumbline.harness.findings.sensor_readings.inertial import allan_curve, inertial_noise
 from plumbline.harness.findings.sensor_readings.lag import lag_by_law, lag_of
-from plumbline.harness.findings.sensor_readings.noise import SILENT, Noise
-from plumbline.harness.findings.sensor_readings.picture import Picture, first_picture
-from plumbline.harness.findings.sensor_readings.ranging import Histogram, range_histogram, ranging_noise
-from plumbline.harness.findings.variant_of import in_words, other_values
+from plumbline.harness.findings.sensor_readings.noise import SILENT, Noise, NoiseCurve
+from plumbline.harness.findings.sensor_readings.picture import CameraPicture, first_picture
+from plumbline.harness.findings.sensor_readings.ranging import range_histogram, ranging_noise
 from plumbline.harness.scene import Lidar, Scene
 from plumbline.harness.scene.file import parse
 from plumbline.harness.store.journal import StoreError
 from plumbline.harness.store.store import Store
 
-MEASURES = {"imu": inertial_noise, "lidar": ranging_noise, "depth_camera": depth_noise}
+MEASURES: Mapping[str, tuple[Callable[[Channel], Noise | None], Callable[[Channel], NoiseCurve | None]]] = {
+    "imu": (inertial_noise, allan_curve),
+    "lidar": (ranging_noise, range_histogram),
+    "depth_camera": (depth_noise, depth_levels),
+}
+"""What is found of noise beside its law, as numbers and as a curve, by the type of a sensor."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Finding:
+class SensorFinding:
     """One channel of one sensor on one engine and track.
 
     Terms:
@@ -44,7 +49,7 @@ class Finding:
         bare_rays_per_s: of the beams, or of the case's own rays, alone; times_bare: what a ray that is read costs over a bare
         one, where all rays of the scene are beams. cpu_sensing [s]: of one interval of the scene's sensors.
         trial: the readings'; trial_sensing, trial_bare: the prices'. reason: why there is no answer, or what a number lacks.
-        allan, histogram, levels, picture: what charts draw.
+        curve, picture: what charts draw.
     """
 
     case: str
@@ -78,27 +83,19 @@ class Finding:
     trial: str
     trial_sensing: str = ""
     trial_bare: str = ""
-    allan: Allan | None = None
-    histogram: Histogram | None = None
-    levels: Levels | None = None
-    picture: Picture | None = None
+    curve: NoiseCurve | None = None
+    picture: CameraPicture | None = None
 
 
 _READ = ["case", "parameters", "engine", "track", "dt", "seed", "status", "reason", "trial", "trajectory_hash"]
 _READ += ["unit", "cpu_per_unit"]
 """Columns of a trial that are read here; to take the others along costs more than all else that is done with a row."""
-SKETCHES = ("allan", "histogram", "levels", "picture")
+SKETCHES = ("curve", "picture")
 """Fields for charts, too large for a row."""
 
 
-@dataclass(frozen=True, slots=True)
-class _Prices:
-    """CPU seconds of one interval of all sensors, and of one bare ray, with the trials that say so."""
-
-    sensing: float | None = None
-    bare: float | None = None
-    trial_sensing: str = ""
-    trial_bare: str = ""
+_Prices = Mapping[str, tuple[float, str]]
+"""CPU seconds of a unit, of one interval of all sensors ('sensing') or of one bare 'ray', with the trial that says so."""
 
 
 def concerned(store: Store) -> pd.DataFrame:
@@ -110,8 +107,8 @@ def concerned(store: Store) -> pd.DataFrame:
     return trials[mine | (trials["unit"] == "ray")] if mine.any() else trials[mine]
 
 
-@lru_cache(maxsize=1)
-def findings(store: Store) -> tuple[Finding, ...]:
+@once
+def findings(store: Store) -> tuple[SensorFinding, ...]:
     """All findings of a run, engine beside engine; worked out once for a store, since it reads every trajectory."""
     every = list(_findings(store))
     catalogue = store.catalogue
@@ -121,7 +118,7 @@ def findings(store: Store) -> tuple[Finding, ...]:
         signal: index for index, signal in enumerate(dict.fromkeys((finding.sensor, finding.channel) for finding in every))
     }
 
-    def rank(finding: Finding) -> tuple[object, ...]:
+    def rank(finding: SensorFinding) -> tuple[object, ...]:
         signal = signals[finding.sensor, finding.channel]
         engine = engines.get(finding.engine, len(engines))
         scene = cases.get(finding.case, len(cases)), finding.case, wheres[finding.where]
@@ -130,16 +127,15 @@ def findings(store: Store) -> tuple[Finding, ...]:
     return tuple(sorted(every, key=rank))
 
 
-def _findings(store: Store) -> Iterator[Finding]:
+def _findings(store: Store) -> Iterator[SensorFinding]:
     cases = store.catalogue.get("cases", {})
     trials = concerned(store)[_READ]
     for (case, parameters, engine, track), runs in trials.groupby(["case", "parameters", "engine", "track"], sort=False):
         about = cases.get(case, {})
-        given = other_values(json.loads(parameters), about.get("parameters", {}))
         row = _nearest(runs, about.get("dt"))
-        plain = Finding(
+        plain = SensorFinding(
             case=case,
-            where=in_words(given),
+            where=where_of(store.catalogue, case, parameters),
             engine=engine,
             track=track,
             dt=float(row["dt"]),
@@ -161,20 +157,16 @@ def _nearest(runs: pd.DataFrame, own: float | None) -> Mapping[str, Any]:
 
 
 def _prices(runs: pd.DataFrame) -> _Prices:
-    prices = _Prices()
-    for row in runs.to_dict("records"):
-        if pd.isna(row["cpu_per_unit"]) or row["cpu_per_unit"] <= 0:
-            continue
-        if row["unit"] == "sensing":
-            prices = replace(prices, sensing=float(row["cpu_per_unit"]), trial_sensing=str(row["trial"]))
-        elif row["unit"] == "ray":
-            prices = replace(prices, bare=float(row["cpu_per_unit"]), trial_bare=str(row["trial"]))
-    return prices
+    clocked = runs[runs["cpu_per_unit"] > 0]
+    return {
+        unit: (float(cost), str(trial))
+        for unit, cost, trial in zip(clocked["unit"], clocked["cpu_per_unit"], clocked["trial"], strict=True)
+    }
 
 
 def _of_trial(
-    store: Store, plain: Finding, row: Mapping[str, Any], measured: Sequence[Mapping[str, Any]], prices: _Prices
-) -> Iterator[Finding]:
+    store: Store, plain: SensorFinding, row: Mapping[str, Any], measured: Sequence[Mapping[str, Any]], prices: _Prices
+) -> Iterator[SensorFinding]:
     if not isinstance(row["trajectory_hash"], str):
         yield plain
         return
@@ -193,24 +185,25 @@ def _of_trial(
 
 
 def _of_channel(
-    plain: Finding,
+    plain: SensorFinding,
     channel: Channel,
     scene: Scene,
     arrays: Mapping[str, Any],
     measured: Sequence[Mapping[str, Any]],
     prices: _Prices,
-) -> Finding:
+) -> SensorFinding:
     errors = ideal_errors(channel)
-    measure = MEASURES.get(channel.type)
+    measure, sketch = MEASURES.get(channel.type, (None, lambda _: None))
     noise = (None if measure is None else measure(channel)) or SILENT
     lacking = [word for word in (plain.reason, errors.why, noise.why) if word]
     seeing = channel.sensor is not None and rays_of(channel.sensor) > 0
-    bare = prices.bare if channel.type in ("lidar", RAYS) else None
+    sensing, trial_sensing = prices.get("sensing", (None, ""))
+    bare, trial_bare = prices.get("ray", (None, "")) if channel.type in ("lidar", RAYS) else (None, "")
     beams = all(isinstance(sensor, Lidar) or not rays_of(sensor) for sensor in scene.sensors)
     cast = [rays_of(sensor) * sensor.rate for sensor in scene.sensors]
     # The sensors of a scene share a price; each interval is the longest of them, in which faster ones read more often.
     rays = sum(cast) / min(sensor.rate for sensor in scene.sensors) if scene.sensors else 0.0
-    read = prices.sensing / rays if prices.sensing and rays and seeing else None
+    read = sensing / rays if sensing and rays and seeing else None
     return replace(
         plain,
         sensor=channel.name,
@@ -226,26 +219,19 @@ def _of_channel(
         rays_per_s=1.0 / read if read else None,
         bare_rays_per_s=1.0 / bare if bare else None,
         times_bare=read / bare if read and bare and beams else None,
-        cpu_sensing=prices.sensing,
+        cpu_sensing=sensing,
         reason="; ".join(lacking),
-        trial_sensing=prices.trial_sensing,
-        trial_bare=prices.trial_bare if bare else "",
-        allan=allan_curve(channel) if channel.type == "imu" else None,
-        histogram=range_histogram(channel) if channel.type == "lidar" else None,
-        levels=depth_levels(channel) if channel.type == "depth_camera" else None,
+        trial_sensing=trial_sensing,
+        trial_bare=trial_bare,
+        curve=None if measure is None else sketch(channel),
         picture=first_picture(channel),
     )
 
 
-def _error_fields(errors: Errors, check: Mapping[str, Any]) -> dict[str, Any]:
-    measured = {
-        "error_max": errors.largest,
-        "error_rms": errors.rms,
-        "error_median": errors.median,
-        "disagree": errors.disagree,
-    }
+def _error_fields(errors: IdealErrors, check: Mapping[str, Any]) -> dict[str, Any]:
+    measured = known(errors, "error_max", "error_rms", "error_median", "disagree")
     if not check:
-        return measured | {"error": errors.largest}
+        return measured | {"error": errors.error_max}
     bound = None if pd.isna(check["at_most"]) else float(check["at_most"])
     judged = {"metric": check["metric"], "at_most": bound, "passed": bool(check["passed"])}
     return measured | judged | {"error": float(check["value"])}

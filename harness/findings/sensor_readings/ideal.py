@@ -19,37 +19,37 @@ OTHER_SURFACE = 0.1
 
 
 @dataclass(frozen=True, slots=True)
-class Errors:
+class IdealErrors:
     """In the channel's unit; None where nothing can be compared, and why. disagree: share of readings, None where all agree
     by their nature."""
 
-    largest: float | None = None
-    rms: float | None = None
-    median: float | None = None
+    error_max: float | None = None
+    error_rms: float | None = None
+    error_median: float | None = None
     disagree: float | None = None
     why: str = ""
 
 
-def ideal_errors(channel: Channel) -> Errors:
+def ideal_errors(channel: Channel) -> IdealErrors:
     """The errors of a channel without its noise; a reading that is not finite where the truth is leaves no finite error."""
     truth = channel.truth
     if truth is None or truth.size == 0:
-        return Errors(why=channel.untold or "no reading was taken")
+        return IdealErrors(why=channel.untold or "no reading was taken")
     match channel.channel:
         case "range" | "depth":
             return _surfaces(channel.ideal, truth, strict=channel.channel == "range")
         case "body":
-            return Errors(disagree=float(np.mean(channel.ideal != truth)))
+            return IdealErrors(disagree=float(np.mean(channel.ideal != truth)))
         case "intensity":
             return _intensity(channel, truth)
         case _:
             return _of(np.linalg.norm(channel.ideal - truth, axis=-1))
 
 
-def _of(errors: Floats, disagree: float | None = None) -> Errors:
+def _of(errors: Floats, disagree: float | None = None) -> IdealErrors:
     if errors.size == 0:
-        return Errors(disagree=disagree, why="nothing that is read meets what the truth meets")
-    return Errors(maximum(errors), root_mean_square(errors), float(np.median(errors)), disagree)
+        return IdealErrors(disagree=disagree, why="nothing that is read meets what the truth meets")
+    return IdealErrors(maximum(errors), root_mean_square(errors), float(np.median(errors)), disagree)
 
 
 def _same(measured: Floats, truth: Floats) -> NDArray[np.bool_]:
@@ -60,19 +60,19 @@ def _same(measured: Floats, truth: Floats) -> NDArray[np.bool_]:
     return mask
 
 
-def _surfaces(measured: Floats, truth: Floats, strict: bool) -> Errors:
+def _surfaces(measured: Floats, truth: Floats, strict: bool) -> IdealErrors:
     same = _same(measured, truth)
     silent = (np.isnan(measured) & np.isnan(truth)) | (np.isinf(measured) & (measured == truth))
     disagree = float(np.mean(~same & ~silent))
     if strict and np.isnan(measured).any():
         # A beam hits or it does not: NaN is neither, and no statistics may pass over it.
-        return Errors(np.nan, np.nan, np.nan, disagree)
+        return IdealErrors(np.nan, np.nan, np.nan, disagree)
     return _of(np.abs(measured[same] - truth[same]), disagree)
 
 
-def _intensity(channel: Channel, truth: Floats) -> Errors:
+def _intensity(channel: Channel, truth: Floats) -> IdealErrors:
     ranges, true_ranges = channel.beside.get("range", (None, None))
     same = np.ones(truth.shape, dtype=np.bool_) if ranges is None or true_ranges is None else _same(ranges, true_ranges)
     if same.any() and np.isnan(channel.ideal[same]).all():
-        return Errors(why="the engine gives no normals where its rays hit")
+        return IdealErrors(why="the engine gives no normals where its rays hit")
     return _of(np.abs(channel.ideal[same] - truth[same]))

@@ -6,32 +6,20 @@ reads the inverse rotation of a vector, and the scale error stretches what it re
 Source: IEEE Std 952-1997, annex C; see `harness.metrics.inertial_noise`.
 """
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from plumbline.harness.findings.sensor_readings.channel import Channel
-from plumbline.harness.findings.sensor_readings.noise import Noise, spread_interval
+from plumbline.harness.findings.sensor_readings.noise import Noise, NoiseCurve, spread_interval
 from plumbline.harness.metrics.inertial_noise import expected_variance, octaves, overlapping_variance, variance_of_mean, windows
 from plumbline.harness.scene import AxisNoise, Imu
+from plumbline.harness.statistics.interval import Interval
 from plumbline.harness.statistics.proportion import Z_95
 from plumbline.harness.trajectory import Floats
 
 LEAST = 96
 """Readings below which no Allan deviation is taken: ten octaves less than two would be left."""
-
-
-@dataclass(frozen=True, slots=True)
-class Allan:
-    """Allan deviation over averaging time (k,) s: found, as the mean square over the axes, and by law, both (k,) in the unit;
-    low, high (k,): where 95 % of findings lie if the law holds."""
-
-    time: Floats
-    found: Floats
-    law: Floats
-    low: Floats
-    high: Floats
 
 
 def _law_of(channel: Channel) -> AxisNoise | None:
@@ -54,8 +42,8 @@ def _random(law: AxisNoise) -> bool:
     return law.density > 0 or law.instability > 0 or law.random_walk > 0
 
 
-def allan_curve(channel: Channel) -> Allan | None:
-    """Of the noise of a channel, over octaves; None where no law says anything, or too little was read."""
+def allan_curve(channel: Channel) -> NoiseCurve | None:
+    """Of the noise of a channel over octaves, a mean square over the axes; None without a law, or where too little was read."""
     from scipy import stats  # late: a listing must not pay for it
 
     law = _law_of(channel)
@@ -69,7 +57,7 @@ def allan_curve(channel: Channel) -> Allan | None:
     by_law = np.sqrt([mean for mean, _ in expected])
     freedom = noise.shape[1] * np.array([degrees for _, degrees in expected])
     low, high = (by_law * np.sqrt(stats.chi2.ppf(p, freedom) / freedom) for p in (0.025, 0.975))
-    return Allan(interval * np.array(counts, dtype=np.float64), deviations, by_law, low, high)
+    return NoiseCurve(interval * np.array(counts, dtype=np.float64), deviations, by_law, low, high)
 
 
 def _clipped(channel: Channel, law: AxisNoise) -> float:
@@ -97,10 +85,8 @@ def inertial_noise(channel: Channel) -> Noise | None:
     if not _random(law):
         return Noise(law=law_words, count=noise.size, **fields)
     variance, freedom = expected_variance(law, 1, len(noise), interval)
-    sigma = float(np.sqrt(np.mean(overlapping_variance(noise, 1))))
-    low, high = spread_interval(sigma, noise.shape[1] * freedom)
-    by_law = float(np.sqrt(variance + law.quantisation**2 / 12))
-    fields |= {"sigma": sigma, "sigma_low": low, "sigma_high": high, "sigma_law": by_law}
+    sigma = spread_interval(float(np.sqrt(np.mean(overlapping_variance(noise, 1)))), noise.shape[1] * freedom)
+    fields |= {"sigma": sigma, "sigma_law": float(np.sqrt(variance + law.quantisation**2 / 12))}
     return Noise(law=law_words, count=noise.size, **fields, **_levels(noise, law, interval))
 
 
@@ -110,7 +96,7 @@ def _bias(noise: Floats, law: AxisNoise, interval: float) -> dict[str, Any]:
     count = int(np.argmin(variances)) + 1
     mean = float(noise[:count].mean())
     width = Z_95 * float(np.sqrt(variances[count - 1] / noise.shape[1]))
-    return {"bias": mean, "bias_low": mean - width, "bias_high": mean + width, "bias_law": law.bias}
+    return {"bias": Interval(mean, mean - width, mean + width), "bias_law": law.bias}
 
 
 def _levels(noise: Floats, law: AxisNoise, interval: float) -> dict[str, Any]:

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from plumbline.harness.statistics.interval import Interval
 from plumbline.harness.statistics.proportion import Z_95, wilson_interval
 from plumbline.harness.trajectory import Floats
 
@@ -22,17 +23,11 @@ class Noise:
 
     law: str
     count: int = 0
-    sigma: float | None = None
-    sigma_low: float | None = None
-    sigma_high: float | None = None
+    sigma: Interval | None = None
     sigma_law: float | None = None
-    bias: float | None = None
-    bias_low: float | None = None
-    bias_high: float | None = None
+    bias: Interval | None = None
     bias_law: float | None = None
-    lost: float | None = None
-    lost_low: float | None = None
-    lost_high: float | None = None
+    lost: Interval | None = None
     lost_law: float | None = None
     white: float | None = None
     floor: float | None = None
@@ -40,35 +35,50 @@ class Noise:
     why: str = ""
 
 
+@dataclass(frozen=True, slots=True)
+class NoiseCurve:
+    """What was found of noise beside its law, as a chart draws it, (k,) each: the Allan deviation over averaging times [s], the
+    density of range errors over their standard deviation by law, or the spread of depth errors [m] over depths [m].
+
+    Terms: low, high: where 95 % of findings lie if the law holds; of a spread, its own 95 % interval. count: of readings that a
+    density is of; beyond: those outside of all its bins.
+    """
+
+    at: Floats
+    found: Floats
+    law: Floats
+    low: Floats
+    high: Floats
+    count: int = 0
+    beyond: int = 0
+
+
 SILENT = Noise(law="")
 """Of a channel without noise."""
 
 
-def spread_interval(sigma: float, freedom: float) -> tuple[float, float]:
-    """95 % interval of a standard deviation with so many degrees of freedom, by the chi-squared law of its square."""
+def spread_interval(sigma: float, freedom: float) -> Interval:
+    """A standard deviation with so many degrees of freedom, by the chi-squared law of its square."""
     from scipy import stats  # late: a listing must not pay for it
 
     if not (math.isfinite(sigma) and freedom >= 1):
-        return math.nan, math.nan
+        return Interval(sigma, math.nan, math.nan)
     high, low = stats.chi2.ppf(0.025, freedom), stats.chi2.ppf(0.975, freedom)
-    return sigma * math.sqrt(freedom / low), sigma * math.sqrt(freedom / high)
+    return Interval(sigma, sigma * math.sqrt(freedom / low), sigma * math.sqrt(freedom / high))
 
 
 def lost_share(lost: int, count: int, law: float) -> dict[str, Any]:
     """The fields of `Noise` about returns that got lost, with Wilson's interval; none where nothing could get lost."""
     if count == 0:
         return {}
-    low, high = wilson_interval(lost, count)
-    return {"lost": lost / count, "lost_low": low, "lost_high": high, "lost_law": law}
+    return {"lost": Interval(lost / count, *wilson_interval(lost, count)), "lost_law": law}
 
 
 def spread(deviation: Floats, law: Floats) -> dict[str, Any]:
     """The fields of `Noise` about spread and mean of independent deviations (n,), whose standard deviations by law are (n,)."""
     n = len(deviation)
-    sigma, bias = float(np.sqrt(np.mean(np.square(deviation)))), float(np.mean(deviation))
-    low, high = spread_interval(sigma, n)
+    sigma, bias = spread_interval(float(np.sqrt(np.mean(np.square(deviation)))), n), float(np.mean(deviation))
     # The law is known, so the interval of the mean is that of a known variance.
     width = Z_95 * float(np.sqrt(np.mean(np.square(law)) / n))
     by_law = float(np.sqrt(np.mean(np.square(law))))
-    fields = {"sigma": sigma, "sigma_low": low, "sigma_high": high, "sigma_law": by_law}
-    return fields | {"bias": bias, "bias_low": bias - width, "bias_high": bias + width, "bias_law": 0.0}
+    return {"sigma": sigma, "sigma_law": by_law, "bias": Interval(bias, bias - width, bias + width), "bias_law": 0.0}

@@ -12,7 +12,7 @@ WIDEST = 240
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Picture:
+class CameraPicture:
     """What was seen: colour (h, w, 3), linear, or depth (h, w) m; the ideal depth beside it where noise was laid over it, and
     the truth where it is told. height, width: of the camera's own picture."""
 
@@ -23,13 +23,13 @@ class Picture:
     width: int
 
 
-def first_picture(channel: Channel) -> Picture | None:
+def first_picture(channel: Channel) -> CameraPicture | None:
     """Of a colour or depth channel; None for any other, or where nothing was seen."""
     if channel.channel not in ("colour", "depth") or len(channel.read) == 0:
         return None
     height, width = channel.read.shape[1:3]
     noisy = not np.array_equal(channel.read[0], channel.ideal[0], equal_nan=True)
-    return Picture(
+    return CameraPicture(
         small(channel.read[0]),
         small(channel.ideal[0]) if noisy else None,
         None if channel.truth is None else small(channel.truth[0]),

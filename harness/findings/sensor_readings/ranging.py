@@ -1,12 +1,10 @@
 """Noise of a range finder: spread, mean and distribution of its range errors, the spread of intensities, lost returns."""
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
 from plumbline.harness.findings.sensor_readings.channel import Channel
-from plumbline.harness.findings.sensor_readings.noise import Noise, lost_share, spread
+from plumbline.harness.findings.sensor_readings.noise import Noise, NoiseCurve, lost_share, spread
 from plumbline.harness.scene import Lidar, LidarNoise
 from plumbline.harness.trajectory import Floats
 
@@ -14,20 +12,6 @@ EDGES = np.linspace(-4.0, 4.0, 33)
 """Of a histogram, in standard deviations of the law."""
 CLEAR = 4.0
 """An intensity so many standard deviations above 0 is not cut off there by its noise."""
-
-
-@dataclass(frozen=True, slots=True)
-class Histogram:
-    """Range errors over their standard deviation by law: middle (k,) of each bin, density (k,) and that of the normal law;
-    low, high (k,): where 95 % of densities lie if the law holds. beyond: count outside of all bins."""
-
-    middle: Floats
-    density: Floats
-    law: Floats
-    low: Floats
-    high: Floats
-    count: int
-    beyond: int
 
 
 def _law_of(channel: Channel) -> LidarNoise | None:
@@ -45,7 +29,7 @@ def _sigma(law: LidarNoise, ranges: Floats) -> Floats:
     return sigma
 
 
-def range_histogram(channel: Channel) -> Histogram | None:
+def range_histogram(channel: Channel) -> NoiseCurve | None:
     """Of a range channel with noise; None without, or with fewer than a hundred returns."""
     from scipy import stats  # late: a listing must not pay for it
 
@@ -61,7 +45,7 @@ def range_histogram(channel: Channel) -> Histogram | None:
     low, high = (stats.binom.ppf(p, len(normalised), share) / (len(normalised) * width) for p in (0.025, 0.975))
     counts = np.histogram(normalised, EDGES)[0]
     middle = 0.5 * (EDGES[1:] + EDGES[:-1])
-    return Histogram(
+    return NoiseCurve(
         middle,
         counts / (len(normalised) * width),
         share / width,

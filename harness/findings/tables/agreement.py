@@ -9,20 +9,12 @@ from typing import Any
 
 import pandas as pd
 
-from plumbline.harness.findings.agreement import (
-    Agreement,
-    Omission,
-    Side,
-    agreements,
-    balances,
-    errors_of,
-    omission_words,
-    omissions,
-    outlooks,
-    scenes_to_judge,
-)
+from plumbline.harness.findings.agreement.found import agreements, errors_of, scenes_to_judge
 from plumbline.harness.findings.agreement.happened import end_words, happened_words, happenings
+from plumbline.harness.findings.agreement.omissions import Omission, omission_words, omissions
+from plumbline.harness.findings.agreement.perturbed_starts import balances, outlooks
 from plumbline.harness.findings.agreement.setting_causes import cause_words, settings_turned
+from plumbline.harness.findings.agreement.values import Agreement, Side
 from plumbline.harness.findings.agreement.words import beyond_words, present_words, scene_words, side_sentence
 from plumbline.harness.findings.columns import Column, Row, Table, known, plain
 from plumbline.harness.store.store import Store
@@ -39,7 +31,7 @@ def _verdicts(store: Store) -> list[dict[str, Any]]:
     if store.trials.empty or not scenes_to_judge(store):
         return []
     costs = dict(zip(store.trials["trial"], store.trials["cpu_per_sim_s"], strict=True))
-    titles = {name: str(about.get("title") or name) for name, about in store.catalogue.get("engines", {}).items()}
+    titles = store.titles
     table = []
     for agreement in agreements(store):
         lost = omissions(store, agreement)
@@ -149,7 +141,7 @@ def _costs(row: Row) -> str:
 TABLE = Table(
     columns=COLUMNS,
     objects=_verdicts,
-    flat=_flat,
+    row=_flat,
     shown=(
         Column("scene", lambda row: row["case"].rsplit("/", 1)[-1]),
         *plain("engine", "track"),

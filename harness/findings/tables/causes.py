@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import asdict, fields
 from typing import Any
 
-from plumbline.harness.findings.agreement import agreements
+from plumbline.harness.findings.agreement.found import agreements
 from plumbline.harness.findings.agreement.setting_causes import Turned, cause_words, settings_turned
 from plumbline.harness.findings.columns import Column, Row, Table, plain
 from plumbline.harness.store.store import Store
@@ -25,7 +25,7 @@ def _sentences(rows: Sequence[Row]) -> list[str]:
 TABLE = Table(
     columns=(*(field.name for field in fields(Turned)), "summary"),
     objects=_rows,
-    flat=dict,
+    row=dict,
     shown=(
         Column("scene", lambda row: row["case"].rsplit("/", 1)[-1]),
         *plain("engine", "track", "setting", "value", "towards"),

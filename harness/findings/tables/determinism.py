@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from plumbline.harness.findings.columns import Column, Row, Table, names, outcome, side
-from plumbline.harness.findings.once import once
+from plumbline.harness.findings.once import all_once
 from plumbline.harness.store.journal import NotKept
 from plumbline.harness.store.store import Store
 from plumbline.harness.trajectory import Floats
@@ -32,7 +32,7 @@ GROWS_FROM, GROWS_TO = 1e-14, 1e-3
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Agreement:
+class Repetition:
     """One repetition against the first run.
 
     Terms:
@@ -62,8 +62,8 @@ class Agreement:
     trial_first: str
 
 
-@once
-def agreements(store: Store) -> Iterator[Agreement]:
+@all_once
+def repetitions(store: Store) -> Iterator[Repetition]:
     """All repetitions of a run."""
     alterations = [json.loads(text) for text in store.trials["alteration"]]
     trials = store.trials.assign(
@@ -86,13 +86,13 @@ def agreements(store: Store) -> Iterator[Agreement]:
             yield _compared(states, first, run, way) if answered else _silent(first, run, way)
 
 
-def _silent(first: Any, run: Any, way: str) -> Agreement:
+def _silent(first: Any, run: Any, way: str) -> Repetition:
     return _row(first, run, way, str(run.status), str(run.reason))
 
 
-def _row(first: Any, run: Any, way: str, verdict: str, reason: str = "", **parting: Any) -> Agreement:
+def _row(first: Any, run: Any, way: str, verdict: str, reason: str = "", **parting: Any) -> Repetition:
     """Args: parting: fields that say how both part."""
-    return Agreement(
+    return Repetition(
         case=first.case,
         engine=first.engine,
         track=first.track,
@@ -109,7 +109,7 @@ def _row(first: Any, run: Any, way: str, verdict: str, reason: str = "", **parti
     )
 
 
-def _compared(states: Callable[[str], Mapping[str, Any]], first: Any, run: Any, way: str) -> Agreement:
+def _compared(states: Callable[[str], Mapping[str, Any]], first: Any, run: Any, way: str) -> Repetition:
     try:
         steps, differs, distance = parting(*(states(side.trajectory_hash) for side in (first, run)))
     except NotKept as error:
@@ -159,13 +159,13 @@ def doubling(time: Floats, distance: Floats) -> float | None:
     return 1 / slope if slope > 0 and math.isfinite(slope) else None
 
 
-def broken(judged: Iterable[Agreement], engines: Collection[str]) -> list[str]:
+def broken(judged: Iterable[Repetition], engines: Collection[str]) -> list[str]:
     """The repetitions on these engines that must give the same bits and do not, each in a sentence."""
     return [
-        f"{agreement.case} on {agreement.engine}/{agreement.track}, {agreement.way}: "
-        f"differs from step {agreement.first_step} on (trial {agreement.trial})"
-        for agreement in judged
-        if agreement.engine in engines and agreement.must and agreement.verdict == "differs"
+        f"{repetition.case} on {repetition.engine}/{repetition.track}, {repetition.way}: "
+        f"differs from step {repetition.first_step} on (trial {repetition.trial})"
+        for repetition in judged
+        if repetition.engine in engines and repetition.must and repetition.verdict == "differs"
     ]
 
 
@@ -206,8 +206,8 @@ def _how_often(rows: Sequence[Row], way: str, called: str) -> str:
 
 
 TABLE = Table(
-    columns=names(Agreement),
-    objects=agreements,
+    columns=names(Repetition),
+    objects=repetitions,
     shown=(
         Column("case", "case"),
         Column("engine", side),

@@ -7,19 +7,20 @@ that became of them.
 import json
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
-from functools import lru_cache
+from dataclasses import dataclass, replace
+from operator import attrgetter
 from typing import Any
 
 import pandas as pd
 
-from plumbline.harness.findings.columns import Column, Row, Table, known, names, scene
-from plumbline.harness.findings.samples import Block, BlockSample, ratio_in_blocks, samples_by_block
-from plumbline.harness.findings.variant_of import in_words, other_values
+from plumbline.harness.findings.columns import Column, Row, Table, names, scene
+from plumbline.harness.findings.once import once
+from plumbline.harness.findings.parameter_words import in_words, other_values, where_of
+from plumbline.harness.findings.samples import BlockSample, SampledBlock, ratio_in_blocks, samples_by_block
 from plumbline.harness.search.better import ANSWERED, UNDER, Comparison, Question, compared, run_of
 from plumbline.harness.search.dominance import MAYBE, kept_parameters
-from plumbline.harness.statistics.ratio import Ratio
-from plumbline.harness.store.rows import records
+from plumbline.harness.statistics.interval import Interval
+from plumbline.harness.store.rows import grouped, records
 from plumbline.harness.store.store import Store
 from plumbline.harness.study.one_knob import OPTION, Turn, turn_between
 from plumbline.harness.study.stored_study import experiments_of
@@ -32,21 +33,20 @@ STALE = "reason not needed"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Change:
+class TriedChange:
     """One change of 'tuned', or several that the same became of.
 
     Terms:
         ours: is it the engine of this project? change: the knob and its value, or the track 'default'; several are parted by
         semicolons, `count` says how many. checks: how many the case has; held_tuned, held_change: how many of them hold, at the
         looser of both bounds. error_ratio: the change's over the track's, above the floor that `harness.search.better` says.
-        cost, low, high: CPU time over the track's, clocked in the same blocks, with the 95 % interval; low and high are None
-        for a rough cost. verdict: DOMINATED or EXCUSED if the change is better; 'no better'; 'same answer', to the last bit;
-        'changes nothing', so that it was not run: the engine resolves its settings as before; 'dearer', broken off since it
-        could win by its cost alone; 'not clocked', if it may win by its cost and the clock did not say; 'refused', or the
-        status of a run without an answer; 'reason not needed', of no change that was run, if the adapter names one that is not
-        better here. by: 'checks', 'price' or 'error', what it is better by. drawn, won: parameters that
-        were drawn and answered, and at how many of them it is better too; draws: which. reason: the adapter's, or why there is
-        no answer. trial: of the change, of the track for what was not run.
+        cost: CPU time over the track's, clocked in the same blocks; a rough one has no interval. verdict: DOMINATED or EXCUSED
+        if the change is better; 'no better'; 'same answer', to the last bit; 'changes nothing', so that it was not run: the
+        engine resolves its settings as before; 'dearer', broken off since it could win by its cost alone; 'not clocked', if it
+        may win by its cost and the clock did not say; 'refused', or the status of a run without an answer; 'reason not needed',
+        of no change that was run, if the adapter names one that is not better here. by: 'checks', 'price' or 'error', what it
+        is better by. drawn, won: parameters that were drawn and answered, and at how many of them it is better too; draws:
+        which. reason: the adapter's, or why there is no answer. trial: of the change, of the track for what was not run.
     """
 
     case: str
@@ -61,9 +61,7 @@ class Change:
     held_change: int | None = None
     checks: int | None = None
     error_ratio: float | None = None
-    cost: float | None = None
-    low: float | None = None
-    high: float | None = None
+    cost: Interval | None = None
     drawn: int = 0
     won: int = 0
     draws: str = ""
@@ -71,7 +69,7 @@ class Change:
     trial: str
 
 
-Sampled = Mapping[str, Mapping[Block, BlockSample]]
+Sampled = Mapping[str, Mapping[SampledBlock, BlockSample]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,34 +79,36 @@ class _Beside:
 
     compared: Comparison | None
     by: str
-    cost: Ratio | None
+    cost: Interval | None
     rough: float
 
 
-@lru_cache(maxsize=1)
-def changes(store: Store) -> tuple[Change, ...]:
+@once
+def changes(store: Store) -> tuple[TriedChange, ...]:
     """All rows of a run, those that beat the track first; worked out once for a store."""
     asked = {experiment.name: experiment for experiment in experiments_of(store) if experiment.dominance}
     samples = samples_by_block(store) if asked else {}
-    scenes: dict[str, list[Row]] = {}
-    for row in records(store.trials[store.trials["experiment"].isin(asked)]):
+
+    def scene_of(row: Row) -> str:
         kept = kept_parameters(asked[row["experiment"]], json.loads(row["parameters"]))
-        scenes.setdefault(repr((row["experiment"], row["case"], kept, row["dt"], row["engine"])), []).append(row)
+        return repr((row["experiment"], row["case"], kept, row["dt"], row["engine"]))
+
+    scenes = grouped(records(store.trials[store.trials["experiment"].isin(asked)]), scene_of)
     found = [change for scene in scenes.values() for change in _of_scene(store, scene, samples)]
     order = {DOMINATED: 0, EXCUSED: 1}
     return tuple(sorted(found, key=lambda change: order.get(change.verdict, 2)))
 
 
-def _of_scene(store: Store, scene: Sequence[Row], samples: Sampled) -> list[Change]:
+def _of_scene(store: Store, scene: Sequence[Row], samples: Sampled) -> list[TriedChange]:
     """The rows of one scene on one engine."""
     track = next((row for row in scene if row["track"] == "tuned" and row["round"] == 0), None)
     if track is None:
         return []
     case, engine = store.described("cases", track["case"]), store.described("engines", track["engine"])
     given = json.loads(track["parameters"])
-    blank = Change(
+    blank = TriedChange(
         case=track["case"],
-        where=in_words(other_values(given, case["parameters"])),
+        where=where_of(store.catalogue, track["case"], track["parameters"]),
         engine=track["engine"],
         ours=bool(engine["ours"]),
         verdict=str(track["status"]),
@@ -118,8 +118,13 @@ def _of_scene(store: Store, scene: Sequence[Row], samples: Sampled) -> list[Chan
     if not tried:
         # Nothing of it can be expressed, or the run was broken off: what became of the track itself.
         return [replace(blank, change="tuned", reason=str(track["reason"]))] if track["status"] not in ANSWERED else []
+    tuned = {row["parameters"]: row for row in reversed(scene) if row["track"] == "tuned"}
     question, settings = Question.described(case), json.loads(track["settings"])
-    beside = {row["trial"]: _beside(store, question, _track_at(scene, row), row, samples) for row in scene if _is_change(row)}
+    beside = {
+        row["trial"]: _beside(store, question, tuned.get(row["parameters"]), row, samples)
+        for row in scene
+        if row["track"] != "tuned"
+    }
     single = [_judged(row, blank, _turn(settings, row), beside, scene, given, track, engine["trade_offs"]) for row in tried]
     idle = [replace(blank, change=str(Turn(*turn)), verdict=IDLE) for turn in store.idle.get(track["trial"], ())]
     used = {change.reason for change in single if change.verdict == EXCUSED}
@@ -129,15 +134,6 @@ def _of_scene(store: Store, scene: Sequence[Row], samples: Sampled) -> list[Chan
         if track["case"] in one["cases"] and list(one["at"]) != ["ladder"] and not blank.where and one["why"] not in used
     ]
     return [*_folded([*single, *idle]), *stale]
-
-
-def _is_change(row: Row) -> bool:
-    return bool(row["track"] != "tuned")
-
-
-def _track_at(scene: Sequence[Row], row: Row) -> Row | None:
-    """The track at the parameters of a row."""
-    return next((one for one in scene if one["track"] == "tuned" and one["parameters"] == row["parameters"]), None)
 
 
 def _turn(settings: Mapping[str, Any], row: Row) -> Turn | None:
@@ -156,7 +152,7 @@ def _beside(store: Store, question: Question, track: Row | None, row: Row, sampl
         by = "checks"
     elif both is not None and row["track"] == "default" and both.errs_less:
         by = "error"
-    elif both is not None and both.as_good and cost is not None and cost.high < UNDER:
+    elif both is not None and both.as_good and cost is not None and cost.ends[1] < UNDER:
         by = "price"
     return _Beside(both, by, cost, _rough(track, row))
 
@@ -170,14 +166,14 @@ def _rough(track: Row, row: Row) -> float:
 
 def _judged(
     row: Row,
-    blank: Change,
+    blank: TriedChange,
     turn: Turn | None,
     beside: Mapping[str, _Beside],
     scene: Sequence[Row],
     given: Mapping[str, Any],
     track: Row,
     trade_offs: Sequence[Mapping[str, Any]],
-) -> Change:
+) -> TriedChange:
     """A change that was run at the scene's own parameters."""
     own = beside[row["trial"]]
     change = replace(blank, change="default" if turn is None else str(turn), trial=str(row["trial"]))
@@ -199,8 +195,7 @@ def _judged(
         held_change=own.compared.held[1],
         checks=own.compared.checks,
         error_ratio=own.compared.ratio,
-        cost=own.rough if own.cost is None else own.cost.value,
-        **known(own.cost, "low", "high"),
+        cost=own.cost or Interval(own.rough),
         drawn=len(answered),
         won=sum(bool(beside[other["trial"]].by) for other in answered),
         draws="; ".join(_told(other, beside[other["trial"]], given) for other in drawn),
@@ -231,24 +226,20 @@ def _names(trade_off: Mapping[str, Any], turn: Turn | None) -> bool:
     return trade_off["knob"] == turn.knob and (not trade_off["values"] or turn.value in trade_off["values"])
 
 
-def _folded(single: Sequence[Change]) -> Iterator[Change]:
+def _folded(single: Sequence[TriedChange]) -> Iterator[TriedChange]:
     """Changes that beat the track alone; of the others one row for each thing that became of them."""
-    alike: dict[tuple[str, str], list[Change]] = {}
-    for change in single:
-        if change.verdict in (DOMINATED, EXCUSED, NOT_CLOCKED):
-            yield change
-        else:
-            alike.setdefault((change.verdict, change.reason), []).append(change)
-    for some in alike.values():
+    alone = [change for change in single if change.verdict in (DOMINATED, EXCUSED, NOT_CLOCKED)]
+    yield from alone
+    for some in grouped((each for each in single if each not in alone), attrgetter("verdict", "reason")).values():
         whole = replace(some[0], change="; ".join(change.change for change in some), count=len(some))
         if len(some) > 1:
-            whole = replace(whole, held_tuned=None, held_change=None, error_ratio=None, cost=None, low=None, high=None)
+            whole = replace(whole, held_tuned=None, held_change=None, error_ratio=None, cost=None)
         yield whole
 
 
 def unexcused(store: Store) -> list[str]:
     """The changes that beat a track without a reason of its adapter's, each in a sentence."""
-    return [_sentence(asdict(change)) for change in changes(store) if change.verdict == DOMINATED]
+    return [_sentence(TABLE.flat(change)) for change in changes(store) if change.verdict == DOMINATED]
 
 
 def _sentence(row: Row) -> str:
@@ -311,8 +302,9 @@ def _sentences(rows: Sequence[Row]) -> list[str]:
 
 
 TABLE = Table(
-    columns=names(Change),
+    columns=names(TriedChange, "cost"),
     objects=changes,
+    bare="cost",
     shown=(
         Column("scene", scene),
         Column("engine", lambda row: row["engine"] + (" (ours)" if row["ours"] else "")),

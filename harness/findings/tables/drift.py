@@ -128,7 +128,7 @@ def _sentences(rows: Sequence[Row]) -> list[str]:
 TABLE = Table(
     columns=columns_with_substeps([*_OF_RUN, *_OF_FIT, *_OUTCOME]),
     objects=_rows,
-    flat=dict,
+    row=dict,
     shown=(
         Column("case", "case"),
         Column("engine", side),

@@ -8,7 +8,7 @@ from typing import Any
 import pandas as pd
 
 from plumbline.harness.case.alteration import EVERYTHING, REFINED
-from plumbline.harness.findings.columns import Column, Row, Table, known, names, outcome, side
+from plumbline.harness.findings.columns import Cell, Column, Row, Table, known, names, outcome, side
 from plumbline.harness.findings.effects_audit import (
     AS_IT_IS,
     JUDGE,
@@ -19,36 +19,31 @@ from plumbline.harness.findings.effects_audit import (
     savings,
     scenes_of,
 )
-from plumbline.harness.findings.once import once
-from plumbline.harness.findings.samples import Block, BlockSample, ratio_in_blocks, samples_by_block
-from plumbline.harness.findings.variant_of import differing, in_words
+from plumbline.harness.findings.once import all_once
+from plumbline.harness.findings.parameter_words import differing, in_words
+from plumbline.harness.findings.samples import BlockSample, SampledBlock, ratio_in_blocks, samples_by_block
 from plumbline.harness.search.needless_effects import Consequence, Scale, departure, matters, scale_in, weighed
-from plumbline.harness.statistics.ratio import Ratio
+from plumbline.harness.statistics.interval import Interval
 from plumbline.harness.store.store import Store
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Verdict:
+class EffectVerdict(Cell):
     """One effect of one scene on one engine, or everything on.
 
     Terms:
         effects: those that the row is about, several where they were left out together, none for everything on and for the
         scene as it is. effect: what they are called in a table, or what else the row is about. declared: does the scene call
         for it? insists: why it does although its motion does not show it. moved, own: see
-        `harness.search.needless_effects.Consequence`; None where nothing could be compared. matters: on this engine. cost,
-        low, high: CPU time of a step with it over that without it (everything on over as it is), with the 95 % interval of the
-        median over blocks; None where one of both was not clocked.
-        cpu_as_it_is: CPU seconds of a simulated second of the scene as it is; None where that was not clocked. verdict: 'needed
-        and on', 'needed but missing', 'missing without need', 'paid for without need', 'insisted on', 'cannot be switched off',
-        'left out', 'everything on', 'left out together', 'needed together'; NOT_JUDGED where nothing could be compared or who
-        judges has not converged in this scene; or the status of a run that gave no answer. reason: what the engine says to it,
-        or why it is not judged. trial: of the departure.
+        `harness.search.needless_effects.Consequence`; None where nothing could be compared. matters: on this engine. cost: CPU
+        time of a step with it over that without it (everything on over as it is), with the 95 % interval of the median over
+        blocks; None where one of both was not clocked. cpu_as_it_is: CPU seconds of a simulated second of the scene as it is;
+        None where that was not clocked. verdict: 'needed and on', 'needed but missing', 'missing without need', 'paid for
+        without need', 'insisted on', 'cannot be switched off', 'left out', 'everything on', 'left out together', 'needed
+        together'; NOT_JUDGED where nothing could be compared or who judges has not converged in this scene; or the status of a
+        run that gave no answer. reason: what the engine says to it, or why it is not judged. trial: of the departure.
     """
 
-    case: str
-    where: str
-    engine: str
-    track: str
     effect: str
     effects: tuple[str, ...]
     declared: bool
@@ -56,23 +51,21 @@ class Verdict:
     moved: float | None
     own: float | None
     matters: bool | None
-    cost: float | None
-    low: float | None
-    high: float | None
+    cost: Interval | None
     cpu_as_it_is: float | None
     verdict: str
     reason: str
     trial: str
 
 
-def verdicts_if_described(store: Store) -> tuple[Verdict, ...]:
+def verdicts_if_described(store: Store) -> tuple[EffectVerdict, ...]:
     """The same for pages that are not about effects alone: none where the folder has lost the catalogue, which says what
     scenes call for."""
     return verdicts(store) if store.catalogue else ()
 
 
-@once
-def verdicts(store: Store) -> Iterator[Verdict]:
+@all_once
+def verdicts(store: Store) -> Iterator[EffectVerdict]:
     """All rows of a run."""
     trials = store.trials
     trials = trials.assign(departure=[json.loads(text).get("name", "") for text in trials["alteration"]])
@@ -87,7 +80,7 @@ def verdicts(store: Store) -> Iterator[Verdict]:
                 yield from _of_side(store, str(engine), str(track), named[str(parameters)], group, needed, samples)
 
 
-Sampled = Mapping[str, Mapping[Block, BlockSample]]
+Sampled = Mapping[str, Mapping[SampledBlock, BlockSample]]
 
 
 def _where(parameters: Iterable[str], own: Mapping[str, Any]) -> dict[str, str]:
@@ -139,11 +132,12 @@ def _of_side(
     group: pd.DataFrame,
     needed: Mapping[str, _Need],
     samples: Sampled,
-) -> Iterator[Verdict]:
+) -> Iterator[EffectVerdict]:
     runs = _runs(group)
     plain = runs.get("")
     if plain is None:
         return
+    cell = {"case": plain.case, "where": where, "engine": engine, "track": track}
     about = store.described("cases", plain.case)
     declared, insists = set(about["effects"]), about.get("insists", {})
     scale = scale_in(store, runs)
@@ -154,26 +148,22 @@ def _of_side(
         run: Any,
         consequence: Consequence | None,
         verdict: str,
-        price: Ratio | None,
+        price: Interval | None,
         reason: str = "",
-    ) -> Verdict:
+    ) -> EffectVerdict:
         effects = () if isinstance(subject, str) else subject
-        return Verdict(
-            case=plain.case,
-            where=where,
-            engine=engine,
-            track=track,
+        return EffectVerdict(
+            **cell,
             effect=subject if isinstance(subject, str) else ", ".join(subject),
             effects=effects,
             declared=declared.issuperset(effects) and bool(effects),
             insists=str(insists.get(effects[0], "")) if len(effects) == 1 else "",
-            cost=None if price is None else price.value,
+            cost=price,
             cpu_as_it_is=None if pd.isna(plain.cpu_per_sim_s) else float(plain.cpu_per_sim_s),
             verdict=verdict,
             reason=reason,
             trial=str(run.trial),
             **known(consequence, "moved", "own", "matters"),
-            **known(price, "low", "high"),
         )
 
     if plain.status not in ("passed", "failed"):
@@ -219,7 +209,7 @@ def _of_side(
             yield row((effect,), plain, None, "cannot be switched off", None, text)
 
 
-def _price(cost: Any, base: Any, samples: Sampled) -> Ratio | None:
+def _price(cost: Any, base: Any, samples: Sampled) -> Interval | None:
     """CPU time of a unit of one run over that of another, in the blocks that both were sampled in."""
     return ratio_in_blocks(samples.get(cost.trial, {}), samples.get(base.trial, {}))
 
@@ -250,8 +240,9 @@ def sentences(rows: Sequence[Row], *, accusing: bool = True, titles: Mapping[str
 
 
 TABLE = Table(
-    columns=tuple(name for name in names(Verdict) if name != "effects"),  # the cell `effect` holds their names
+    columns=tuple(name for name in names(EffectVerdict, "cost") if name != "effects"),  # the cell `effect` holds their names
     objects=verdicts,
+    bare="cost",
     shown=(
         Column("case", named_scene),
         Column("engine", side),

@@ -27,7 +27,7 @@ def _sentences(rows: Sequence[Row]) -> list[str]:
 TABLE = Table(
     columns=("robot", *fidelity.COLUMNS),
     objects=lambda store: fidelity_of(store.folder),
-    flat=dict,
+    row=dict,
     shown=(
         Column("robot", "robot"),
         *(_column(position, heading) for position, heading in enumerate(fidelity.BRIEF)),

@@ -17,7 +17,7 @@ def _sentences(rows: Sequence[Row]) -> list[str]:
 TABLE = Table(
     columns=COLUMNS,
     objects=lambda store: store.night.get("left_out", ()),  # none of a run that is no night of a history
-    flat=lambda row: {name: row.get(name) for name in COLUMNS},
+    row=lambda row: {name: row.get(name) for name in COLUMNS},
     shown=(
         *plain("experiment", "case", "trials", "why"),
         Column("last seen", lambda row: row["last_seen"] or "never"),

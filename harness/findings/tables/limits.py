@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import asdict
+from operator import itemgetter
 from typing import Any
 
 from plumbline.harness.findings.columns import Column, Row, Table, Titled, Titles, milli, names, scene
@@ -9,6 +10,7 @@ from plumbline.harness.findings.limits_found import CONSTANT, Search, amount, se
 from plumbline.harness.findings.parameter_words import called
 from plumbline.harness.findings.standing import is_reference, leaders
 from plumbline.harness.metric.titles import metric_title
+from plumbline.harness.store.rows import grouped
 
 _LEFT_OUT = ("beside", "remedy", "remedied", "holds")
 COLUMNS = (*(name for name in names(Search) if name not in _LEFT_OUT), "further", "fair")
@@ -47,12 +49,10 @@ def _sentences(rows: Sequence[Row]) -> list[str]:
 
     Whose brackets meet go as far as each other; leads are counted by the table `farthest`.
     """
-    axes: dict[tuple[Any, ...], list[Row]] = {}
-    for row in rows:
-        if row["verdict"] not in ("unsupported", "unavailable", CONSTANT) and row["fair"]:
-            # Tracks as they come are not compared with what is held to a sub-step.
-            axes.setdefault((row["experiment"], row["case"], row["where"], row["axis"], row["parts"]), []).append(row)
     lines = []
+    fair = (row for row in rows if row["verdict"] not in ("unsupported", "unavailable", CONSTANT) and row["fair"])
+    # Tracks as they come are not compared with what is held to a sub-step.
+    axes = grouped(fair, itemgetter("experiment", "case", "where", "axis", "parts"))
     for (_, case, where, axis, parts), searched in axes.items():
         ours = max((row for row in searched if is_reference(row["engine"])), key=lambda row: row["reach"], default=None)
         ranked = [row for row in searched if not is_reference(row["engine"]) and row["held"] is not None]
@@ -73,7 +73,7 @@ def _searched(row: Row) -> str:
 TABLE = Table(
     columns=COLUMNS,
     objects=lambda store: [search for search in searches(store) if not search.remedied],
-    flat=_flat,
+    row=_flat,
     shown=(
         Column("case", scene),
         Column("engine", "engine"),

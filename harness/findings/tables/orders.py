@@ -9,19 +9,21 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import lru_cache
+from operator import itemgetter
 from statistics import median
 from typing import Any, Literal
 
 import pandas as pd
 
-from plumbline.harness.findings.columns import Column, Table, plain
+from plumbline.harness.findings.columns import Cell, Column, Table, plain
 from plumbline.harness.findings.integrators import called
-from plumbline.harness.findings.once import once
-from plumbline.harness.findings.variant_of import in_words, other_values
+from plumbline.harness.findings.once import all_once
+from plumbline.harness.findings.parameter_words import in_words, other_values
 from plumbline.harness.statistics.order import Order, falls_short, fit_order
+from plumbline.harness.store.rows import grouped
 from plumbline.harness.store.store import Store
 
-Verdict = Literal["kept", "broken", "exact", "open", "none"]
+OrderVerdict = Literal["kept", "broken", "exact", "open", "none"]
 
 ROUNDINGS = 8
 """Roundings of the scale in each step, all to one side, that an error may consist of."""
@@ -34,7 +36,7 @@ _READ = ["trial", "case", "parameters", "engine", "track", "dt", "resolved"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Convergence:
+class ObservedOrder(Cell):
     """How the headline error of a case shrinks with the time step on one engine under one group of settings.
 
     Terms:
@@ -43,15 +45,11 @@ class Convergence:
         none: nothing is promised. finding: a sentence where the promise is broken.
     """
 
-    case: str
-    where: str
-    engine: str
-    track: str
     metric: str
     integrator: str
     fit: Order | None
     promised: int | None
-    verdict: Verdict
+    verdict: OrderVerdict
     finding: str
 
     def flat(self) -> dict[str, Any]:
@@ -65,8 +63,8 @@ _OF_FIT = ("order", "low", "high", "used", "floor", "coarse", "fine")
 COLUMNS = ("case", "where", "engine", "track", "metric", "integrator", *_OF_FIT, "promised", "verdict", "finding")
 
 
-@once
-def convergences(store: Store) -> list[Convergence]:
+@all_once
+def convergences(store: Store) -> list[ObservedOrder]:
     """One row for each ladder of at least three steps, experiments that share settings taken together."""
     cases, engines = store.catalogue.get("cases", {}), store.catalogue.get("engines", {})
     if store.asked.empty:
@@ -79,15 +77,15 @@ def convergences(store: Store) -> list[Convergence]:
     trials = trials.assign(error=pd.Series(errors, index=trials.index, dtype="float64").abs()).dropna(subset="error")
     rows = []
     keys = [trials["case"], trials["parameters"].map(_seedless), trials["engine"], trials["track"]]
-    ladders: dict[tuple[str, str, str, str], list[_Rung]] = {}
     rungs = map(_Rung, trials["dt"].tolist(), trials["error"].tolist(), trials["resolved"].tolist())
-    for key, rung in zip(zip(*keys, strict=True), rungs, strict=True):
-        ladders.setdefault(key, []).append(rung)
-    for (case, parameters, engine, track), ladder in ladders.items():
+    keyed = zip(zip(*keys, strict=True), rungs, strict=True)
+    for (case, parameters, engine, track), pairs in grouped(keyed, itemgetter(0)).items():
+        ladder = [rung for _, rung in pairs]
         if len({rung.dt for rung in ladder}) >= 3:
             about = cases.get(case, {})
             where = in_words(other_values(_object(str(parameters)), about.get("parameters") or {}))
-            rows.append(_row(str(case), where, str(engine), str(track), about, engines.get(engine, {}), ladder))
+            cell = Cell(case=str(case), where=where, engine=str(engine), track=str(track))
+            rows.append(_row(cell, about, engines.get(engine, {}), ladder))
     return rows
 
 
@@ -114,25 +112,18 @@ def _seedless(parameters: str) -> str:
     return json.dumps({k: v for k, v in _object(parameters).items() if k != "seed"}, sort_keys=True)
 
 
-def _row(
-    case: str, where: str, engine: str, track: str, about: Mapping[str, Any], who: Mapping[str, Any], ladder: Sequence[_Rung]
-) -> Convergence:
+def _row(cell: Cell, about: Mapping[str, Any], who: Mapping[str, Any], ladder: Sequence[_Rung]) -> ObservedOrder:
     integrators = sorted({str(_object(rung.resolved).get("integrator") or "") for rung in ladder})
     promised = _promise(about.get("converges", ""), who.get("orders", {}), integrators)
-    by_step: dict[float, list[float]] = {}
-    for dt, rung in zip(_taken(ladder), ladder, strict=True):
-        by_step.setdefault(dt, []).append(rung.error)
+    by_step = grouped(zip(_taken(ladder), ladder, strict=True), itemgetter(0))
     steps = sorted(by_step)
-    errors = [median(by_step[dt]) for dt in steps]
+    errors = [median(rung.error for _, rung in by_step[dt]) for dt in steps]
     scale, duration = float(about.get("scale") or 1.0), float(about.get("duration") or 1.0)
     fit, outcome = verdict(steps, errors, promised, scale, duration)
     by = " and ".join(map(called, integrators))
-    title = f"{about.get('title') or case} on {who.get('title') or engine} ({track}, {by})"
-    return Convergence(
-        case=case,
-        where=where,
-        engine=engine,
-        track=track,
+    title = f"{about.get('title') or cell.case} on {who.get('title') or cell.engine} ({cell.track}, {by})"
+    return ObservedOrder(
+        **cell.cell,
         metric=str(about.get("headline", "")),
         integrator=" ".join(integrators),
         fit=fit,
@@ -163,7 +154,7 @@ def _promise(converges: str, orders: Mapping[str, int], integrators: Sequence[st
 
 def verdict(
     steps: Sequence[float], errors: Sequence[float], promised: int | None, scale: float, duration: float
-) -> tuple[Order | None, Verdict]:
+) -> tuple[Order | None, OrderVerdict]:
     """The fit through what lies above rounding, and what it says of the promise.
 
     Args:
@@ -200,7 +191,7 @@ def _sentence(title: str, fit: Order, promised: int, finest: float) -> str:
 TABLE = Table(
     columns=COLUMNS,
     objects=convergences,
-    flat=Convergence.flat,
+    row=ObservedOrder.flat,
     shown=(
         *plain("case", "engine", "track", "integrator"),
         Column("promised", "promised", "d"),

@@ -21,7 +21,7 @@ SECONDS = tuple(10.0**k for k in range(-7, 3))
 """CPU seconds per simulated second; 1 is real time."""
 
 
-class Scene(NamedTuple):
+class SceneName(NamedTuple):
     """A case at one set of parameters; where: these in words, '' where the case has one set."""
 
     case: str
@@ -48,8 +48,8 @@ class Share:
     share: float
     low: float
     high: float
-    without_low: Scene
-    without_high: Scene
+    without_low: SceneName
+    without_high: SceneName
     pairs: int
 
 
@@ -69,15 +69,15 @@ def profile(prices: Sequence[Price]) -> list[Share]:
             cost = [mine[pair].ratio if limit == FACTOR else mine[pair].cost for pair in timely]
             for within in values:
                 done = [value is not None and value <= within * (1 + 1e-12) for value in cost]
-                shares.append(_share(engine, limit, within, [Scene(case, where) for case, where, _ in timely], done))
+                shares.append(_share(engine, limit, within, [SceneName(case, where) for case, where, _ in timely], done))
     return [share for share in shares if share.pairs]
 
 
-def _share(engine: str, limit: str, within: float, scenes: Sequence[Scene], done: Sequence[bool]) -> Share:
+def _share(engine: str, limit: str, within: float, scenes: Sequence[SceneName], done: Sequence[bool]) -> Share:
     put, answered = Counter(scenes), Counter(scene for scene, its in zip(scenes, done, strict=True) if its)
     left = {scene: (sum(done) - answered[scene]) / (len(done) - count) for scene, count in put.items() if count < len(done)}
     share = sum(done) / len(done) if done else 0.0
-    least, most = (extreme(left, key=lambda scene: left[scene], default=Scene("", "")) for extreme in (min, max))
+    least, most = (extreme(left, key=lambda scene: left[scene], default=SceneName("", "")) for extreme in (min, max))
     return Share(
         engine=engine,
         limit=limit,
@@ -133,7 +133,7 @@ def sentences(rows: Sequence[Row]) -> list[str]:
 TABLE = Table(
     columns=names(Share),
     objects=lambda store: profile(priced(store).prices),
-    flat=flat,
+    row=flat,
     shown=(
         Column("engine", "engine"),
         Column("within", "within", "g"),

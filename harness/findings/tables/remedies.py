@@ -6,14 +6,14 @@ from typing import Any
 
 import pandas as pd
 
-from plumbline.harness.findings.columns import Column, Table, names, scene
+from plumbline.harness.findings.columns import Cell, Column, Table, names, scene
 from plumbline.harness.findings.limits_found import Search, amount, searches
 from plumbline.harness.store.store import Store
 from plumbline.harness.trial.ensemble import HELD
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Remedied:
+class Remedied(Cell):
     """One remedy at the value at which an engine broke.
 
     Terms:
@@ -24,10 +24,6 @@ class Remedied:
         (fewer do), or the status of a run that gave no answer. trial: the remedied run; trial_broke: the one without.
     """
 
-    case: str
-    where: str
-    engine: str
-    track: str
     axis: str
     unit: str
     value: float

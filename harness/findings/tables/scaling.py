@@ -10,22 +10,21 @@ same engine's plain step and with nobody else's.
 import json
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, replace
+from dataclasses import replace
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from plumbline.harness.findings.columns import Column, Row, Table
+from plumbline.harness.findings.columns import Column, Row, Table, known, spread
 from plumbline.harness.findings.costs import PENETRATION, RESIDUAL, Cost, Exponent, Sweep, growth, no_worse, whole
 from plumbline.harness.findings.emulations import share_in_words
-from plumbline.harness.findings.parameter_words import called, said
-from plumbline.harness.findings.samples import Block, BlockSample, Clock, ratio_in_blocks, samples_by_block
+from plumbline.harness.findings.parameter_words import called, differing, other_values, said
+from plumbline.harness.findings.samples import BlockSample, Clock, SampledBlock, ratio_in_blocks, samples_by_block
 from plumbline.harness.findings.steps_taken import with_substeps
-from plumbline.harness.findings.variant_of import differing, other_values
+from plumbline.harness.statistics.interval import Interval
 from plumbline.harness.statistics.order import FEWEST
-from plumbline.harness.statistics.ratio import Ratio
 from plumbline.harness.store.store import Store
 
 _REASON = 64
@@ -63,7 +62,7 @@ class Scaling:
         self._ours = {name for name, engine in engines.items() if engine.get("ours")}
 
     @cached_property
-    def _samples(self) -> Mapping[str, Mapping[Block, BlockSample]]:
+    def _samples(self) -> Mapping[str, Mapping[SampledBlock, BlockSample]]:
         return samples_by_block(self._store)
 
     @cached_property
@@ -103,7 +102,7 @@ class Scaling:
         return tuple(self._beside(priced))
 
     def _cost(self, case: str, where: str, row: Mapping[str, Any]) -> Cost:
-        values = self._values.get(row["trial"], {})
+        values, cpu = self._values.get(row["trial"], {}), _number(row.get("cpu_per_unit"))
         headline = self._store.catalogue.get("cases", {}).get(case, {}).get("headline", "")
         note = row.get("timing_note")  # a run folder of an older version has no such column
         trouble = [f"timing: {note}"] if isinstance(note, str) and note else []
@@ -115,9 +114,9 @@ class Scaling:
             engine=row["engine"],
             track=row["track"],
             unit=str(row["unit"]) if pd.notna(row.get("unit")) else "",
-            cpu=_number(row.get("cpu_per_unit")),
-            low=_number(row.get("cpu_per_unit_low")),
-            high=_number(row.get("cpu_per_unit_high")),
+            cpu=None
+            if cpu is None
+            else Interval(cpu, _number(row.get("cpu_per_unit_low")), _number(row.get("cpu_per_unit_high"))),
             to_fastest=None,
             reference=None,
             reference_setting="",
@@ -138,7 +137,7 @@ class Scaling:
             units=next((s.units for s in self._samples.get(row["trial"], {}).values()), workers) // workers,
         )
 
-    def _ratio(self, row: Cost, base: Cost, clock: Clock = "cpu") -> Ratio | None:
+    def _ratio(self, row: Cost, base: Cost, clock: Clock = "cpu") -> Interval | None:
         return ratio_in_blocks(self._samples.get(row.trial, {}), self._samples.get(base.trial, {}), clock)
 
     def _rate(self, row: Cost) -> float | None:
@@ -163,13 +162,13 @@ class Scaling:
                 # A unit's wall time, all processes counted, over that of one process: the inverse of the speed-up.
                 slower = self._ratio(row, base, "wall")
                 if slower is not None:
-                    low, high = (1 / (row.workers * end) for end in (slower.high, slower.low))
-                    changed["efficiency"] = Ratio(value=1 / (row.workers * slower.value), low=low, high=high)
+                    low, high = slower.ends
+                    changed["efficiency"] = Interval(*(1 / (row.workers * each) for each in (slower.value, high, low)))
                 changed["rate"] = self._rate(row)
             yield replace(row, **changed)
 
     def _compared(self, rows: Sequence[Cost]) -> list[Cost]:
-        timed = sorted((row for row in rows if row.cpu is not None), key=lambda row: row.cpu or 0.0)
+        timed = sorted((row for row in rows if row.cpu is not None), key=lambda row: row.cpu.value if row.cpu else 0.0)
         sound = [row for row in timed if row.status == "passed"]
         best = {engine: next(row for row in sound if row.engine == engine) for engine in {row.engine for row in sound}}
         fastest = next((row for row in sound if row.engine not in self._ours), None)
@@ -227,18 +226,15 @@ class Scaling:
         blank = dict.fromkeys(COLUMNS)
         flat = []
         for cost in self.costs:
-            row = {name: value for name, value in asdict(cost).items() if name in COLUMNS and not isinstance(value, dict)}
-            for name in ("to_fastest", "reference", "to_plain", "efficiency"):
-                compared: Ratio | None = getattr(cost, name)
-                if compared is not None:
-                    row |= {name: compared.value, f"{name}_low": compared.low, f"{name}_high": compared.high}
-            prices = {"cpu_s": cost.cpu, "cpu_low_s": cost.low, "cpu_high_s": cost.high}
             named = {"penetration_m": cost.penetration, "residual_m_s": cost.residual, "rate_per_s": cost.rate}
-            flat.append(blank | row | prices | {"row": "cost"} | named)
-        for fit in self.exponents:
-            row = {name: getattr(fit, name) for name in ("case", "engine", "track", "unit")}
-            along = f"{called(fit.case, fit.parameter)} from {fit.start:g} to {fit.end:g}"
-            row |= {"where": ", ".join(filter(None, (fit.where, along))), "exponent": fit.exponent if fit.telling else None}
+            prices = dict(zip(("cpu_s", "cpu_low_s", "cpu_high_s"), cost.cpu or (None,) * 3, strict=True))
+            row = spread(cost) | named | prices | {"row": "cost"}
+            flat.append({name: row.get(name) for name in COLUMNS})
+        for exponent in self.exponents:
+            sweep, fit = exponent.sweep, exponent.fit
+            row = known(sweep, "case", "unit") | known(exponent, "engine", "track")
+            along = f"{called(sweep.case, sweep.parameter)} from {fit.fine:g} to {fit.coarse:g}"
+            row |= {"where": ", ".join(filter(None, (sweep.where, along))), "exponent": fit.order if exponent.telling else None}
             flat.append(blank | row | {"row": "exponent", "exponent_low": fit.low, "exponent_high": fit.high})
         return flat
 
@@ -296,7 +292,7 @@ def _size(value: Any) -> tuple[int, float, str]:
 TABLE = Table(
     columns=COLUMNS,
     objects=lambda store: with_substeps(store, Scaling(store).rows()),
-    flat=dict,
+    row=dict,
     shown=(
         Column("scene", lambda row: f"{row['case']} {row['where'] or ''}".strip()),
         Column("engine", "engine"),

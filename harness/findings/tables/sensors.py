@@ -8,8 +8,8 @@ the columns law to walk, `harness.findings.sensor_readings.noise.Noise`.
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from plumbline.harness.findings.columns import Column, Row, Table, names, scene, side
-from plumbline.harness.findings.sensor_readings.findings import SKETCHES, Finding, findings
+from plumbline.harness.findings.columns import Column, Row, Table, names, scene, side, spread
+from plumbline.harness.findings.sensor_readings.findings import SKETCHES, SensorFinding, findings
 from plumbline.harness.findings.sensor_readings.noise import Noise
 from plumbline.harness.findings.steps_taken import columns_with_substeps, with_substeps
 from plumbline.harness.store.store import Store
@@ -19,7 +19,7 @@ OF_NOISE = tuple(name for name in names(Noise) if name not in ("count", "why"))
 
 def _columns() -> tuple[str, ...]:
     """The fields of a finding, with those of its noise in its place."""
-    own = (name for name in names(Finding) if name not in SKETCHES)
+    own = (name for name in names(SensorFinding) if name not in SKETCHES)
     return columns_with_substeps([column for name in own for column in (OF_NOISE if name == "noise" else (name,))])
 
 
@@ -28,10 +28,8 @@ COLUMNS = _columns()
 
 def _rows(store: Store) -> list[dict[str, Any]]:
     columns = [name for name in COLUMNS if name != "substeps"]
-    flat = [
-        {name: getattr(finding.noise if name in OF_NOISE else finding, name) for name in columns} for finding in findings(store)
-    ]
-    return with_substeps(store, flat)
+    whole = (spread(finding.noise) | spread(finding) for finding in findings(store))
+    return with_substeps(store, ({name: row[name] for name in columns} for row in whole))
 
 
 def _bound(row: Row) -> str:
@@ -96,7 +94,7 @@ def sentences(rows: Sequence[Row], titles: Mapping[str, str] | None = None) -> l
 TABLE = Table(
     columns=COLUMNS,
     objects=_rows,
-    flat=dict,
+    row=dict,
     shown=(
         Column("case", scene),
         Column("engine", side),

@@ -5,14 +5,15 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from operator import itemgetter
 from typing import Any
 
-from plumbline.harness.findings.columns import Column, Row, Table, Titled, Titles, milli, names, scene
-from plumbline.harness.findings.cost_point import Point
+from plumbline.harness.findings.columns import Cell, Column, Row, Table, Titled, Titles, milli, names, scene
+from plumbline.harness.findings.cost_point import CostPoint
 from plumbline.harness.findings.prices import PER_SECOND, priced, unit_of
 from plumbline.harness.findings.standing import cheapness, is_reference, leaders
 from plumbline.harness.findings.steps_taken import step_in_words, substeps_of
-from plumbline.harness.store.rows import records
+from plumbline.harness.store.rows import grouped, records
 from plumbline.harness.store.store import Store
 
 WITHIN = 0.01
@@ -26,7 +27,7 @@ _READ = ["engine", "track", "dt", "resolved", "status", "trial"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Step:
+class StepRange(Cell):
     """How far the time step of one setting may go in one case.
 
     Terms:
@@ -36,10 +37,6 @@ class Step:
         cost. error: the error there. trial: that run.
     """
 
-    case: str
-    where: str
-    engine: str
-    track: str
     stable: float | None
     stable_substeps: int | None
     accurate: float | None
@@ -53,7 +50,7 @@ class Step:
     trial: str
 
 
-def largest_steps(store: Store) -> list[Step]:
+def largest_steps(store: Store) -> list[StepRange]:
     """One row for each setting of an engine that was run at `FEWEST` steps or more in a case that has an error."""
     prices = priced(store)
     known = {point.trial: point for point in prices.points}
@@ -62,26 +59,16 @@ def largest_steps(store: Store) -> list[Step]:
         if not any(trial in known for trial in trials["trial"]):
             continue
         timed = unit_of(trials) == PER_SECOND
-        ladders: dict[tuple[str, str], list[Mapping[str, Any]]] = {}
-        for row in records(trials[_READ]):
-            ladder = ladders.setdefault((row["engine"], row["track"]), [])
-            ladder += [row] if row["status"] not in _NOT_RUN else []
-        for (engine, track), runs in ladders.items():
+        run = trials.loc[~trials["status"].isin(_NOT_RUN), _READ]
+        for (engine, track), runs in grouped(records(run), itemgetter("engine", "track")).items():
             if len({row["dt"] for row in runs}) >= FEWEST:
                 ladder = sorted(runs, key=lambda row: float(row["dt"]))
-                steps.append(_step(case, where, engine, track, ladder, known, timed))
+                cell = Cell(case=case, where=where, engine=engine, track=track)
+                steps.append(_step(cell, ladder, known, timed))
     return steps
 
 
-def _step(
-    case: str,
-    where: str,
-    engine: str,
-    track: str,
-    ladder: Sequence[Mapping[str, Any]],
-    known: Mapping[str, Point],
-    timed: bool,
-) -> Step:
+def _step(cell: Cell, ladder: Sequence[Mapping[str, Any]], known: Mapping[str, CostPoint], timed: bool) -> StepRange:
     whole = [row["status"] in _WHOLE for row in ladder]
     points = [known.get(row["trial"]) for row in ladder]
     close = [point is not None and point.error <= WITHIN for point in points]
@@ -89,11 +76,8 @@ def _step(
     parts = [substeps_of(str(row["resolved"])) for row in ladder]
     accurate, stable = _first(close), _first(whole)
     there = points[accurate - 1] if accurate else None
-    return Step(
-        case=case,
-        where=where,
-        engine=engine,
-        track=track,
+    return StepRange(
+        **cell.cell,
         stable=steps[stable - 1] if stable else None,
         stable_substeps=parts[stable - 1] if stable else None,
         accurate=steps[accurate - 1] if accurate else None,
@@ -122,12 +106,8 @@ def _worded(kind: str, row: Row) -> str:
 
 def _sentences(rows: Sequence[Row]) -> list[str]:
     """The fastest way to stay within one per cent, case by case, and the reference engine's beside it, not ranked."""
-    scenes: dict[str, list[Row]] = {}
-    for row in rows:
-        if row["realtime"] is not None:
-            scenes.setdefault(scene(row), []).append(row)
     lines = []
-    for name, paced in scenes.items():
+    for name, paced in grouped((row for row in rows if row["realtime"] is not None), scene).items():
         ranked = [row for row in paced if not is_reference(row["engine"])]
         first = leaders({_setting(row): cheapness(1 / row["realtime"], None, None, bound=False) for row in ranked})
         ways = [_way(row) for row in ranked if _setting(row) in first] or ["nobody to deploy"]
@@ -147,7 +127,7 @@ def _way(row: Row) -> str:
 
 
 TABLE = Table(
-    columns=names(Step),
+    columns=names(StepRange),
     objects=largest_steps,
     shown=(
         Column("case", scene),

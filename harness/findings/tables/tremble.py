@@ -28,9 +28,10 @@ import json
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from operator import attrgetter
 from typing import Any, TypeAlias
 
-from plumbline.harness.findings.columns import Column, Row, Table, plain
+from plumbline.harness.findings.columns import Column, Row, Table, known, plain
 from plumbline.harness.findings.prices import number
 from plumbline.harness.findings.steps_taken import step_in_words, with_substeps
 from plumbline.harness.store.store import Store
@@ -49,7 +50,7 @@ _Key: TypeAlias = tuple[str, str, str, float, float]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Run:
+class TrembleRun:
     """A run: vibration [rad/s], infinite where it fell or diverged; frequency [Hz]; the case's bound [rad/s]; its name."""
 
     vibration: float
@@ -58,8 +59,8 @@ class Run:
     trial: str = ""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Finding:
+@dataclass(frozen=True, slots=True)
+class Tremble:
     """What one engine's base shows.
 
     Terms: stiffness in the case's own unit; dt [s]; shares: by change, how many times smaller the vibration became; cause: one
@@ -71,7 +72,7 @@ class Finding:
     track: str
     stiffness: float
     dt: float
-    base: Run
+    base: TrembleRun
     shares: Mapping[str, float]
     cause: str
     why: str
@@ -82,13 +83,13 @@ class Finding:
         return math.isinf(self.base.vibration)
 
 
-def _share(base: Run, changed: Run) -> float:
+def _share(base: TrembleRun, changed: TrembleRun) -> float:
     if math.isinf(changed.vibration):
         return 1.0 if math.isinf(base.vibration) else 0.0
     return base.vibration / changed.vibration if changed.vibration > 0 else math.inf
 
 
-def attribute(base: Run, changes: Mapping[str, Run]) -> tuple[Mapping[str, float], str, str]:
+def attribute(base: TrembleRun, changes: Mapping[str, TrembleRun]) -> tuple[Mapping[str, float], str, str]:
     """How many times smaller each change made the vibration, the cause, and the rule that gave it.
 
     Args: changes: runs by the names of CHANGES; those that an engine cannot make are left out.
@@ -119,7 +120,7 @@ def attribute(base: Run, changes: Mapping[str, Run]) -> tuple[Mapping[str, float
     return shares, "not separated", f"healed by {', '.join(healing) or 'none of the changes'}"
 
 
-def _runs(store: Store) -> Iterator[tuple[dict[str, Any], float, Run]]:
+def _runs(store: Store) -> Iterator[tuple[dict[str, Any], float, TrembleRun]]:
     """Each trial that has a stiffness and was asked for its vibration, with that stiffness."""
     asked = {
         name
@@ -143,7 +144,7 @@ def _runs(store: Store) -> Iterator[tuple[dict[str, Any], float, Run]]:
         yield (
             row,
             float(stiffness),
-            Run(
+            TrembleRun(
                 vibration=math.inf if lost else size,
                 frequency=float(mine.get("vibration_frequency", {}).get("value", math.nan)),
                 bound=bound if math.isfinite(bound) else _bound(store, row),
@@ -160,7 +161,7 @@ def _bound(store: Store, row: Mapping[str, Any]) -> float:
     return float(check["at_most"]) * (taken if math.isfinite(taken) else float(row["dt"])) / float(about["dt"])
 
 
-def findings(store: Store) -> tuple[Finding, ...]:
+def findings(store: Store) -> tuple[Tremble, ...]:
     """All bases of a run folder that have a softer run to be compared with, engine by engine."""
     runs = {
         (row["case"], row["engine"], row["track"], stiffness, float(row["dt"])): run for row, stiffness, run in _runs(store)
@@ -169,7 +170,7 @@ def findings(store: Store) -> tuple[Finding, ...]:
     variants = {(engine, to.beside, to.changes): name for (engine, name), to in departures.items()}
     made = []
     for key, run in runs.items():
-        case, engine, track, stiffness, dt = key
+        case, engine, track, _, dt = key
         if (engine, track) in departures or store.bases[run.trial] != track:
             continue  # what was changed in another one is no base
         together = {other: peer for other, peer in runs.items() if other[0] == case}
@@ -177,24 +178,13 @@ def findings(store: Store) -> tuple[Finding, ...]:
         # The softest of a series is there to be compared with, and so is every finer step.
         if dt < max(other[-1] for other in together) or "softer" not in changes:
             continue
-        shares, cause, why = attribute(run, changes)
-        made.append(
-            Finding(
-                case=case,
-                engine=engine,
-                track=track,
-                stiffness=stiffness,
-                dt=dt,
-                base=run,
-                shares=shares,
-                cause=cause,
-                why=why,
-            )
-        )
-    return tuple(sorted(made, key=lambda finding: (finding.case, finding.engine, finding.track, finding.stiffness)))
+        made.append(Tremble(*key, run, *attribute(run, changes)))
+    return tuple(sorted(made, key=attrgetter("case", "engine", "track", "stiffness")))
 
 
-def _changes(runs: Mapping[_Key, Run], base: _Key, variants: Mapping[tuple[str, str, str], str]) -> dict[str, Run]:
+def _changes(
+    runs: Mapping[_Key, TrembleRun], base: _Key, variants: Mapping[tuple[str, str, str], str]
+) -> dict[str, TrembleRun]:
     """The runs that differ from a base in one thing. Args: variants: by engine, track and change."""
     case, engine, track, stiffness, dt = base
     changes = {}
@@ -232,20 +222,12 @@ def _number(value: float) -> float | None:
 def _rows(store: Store) -> list[dict[str, Any]]:
     """Flat rows; a vibration without bound is None."""
     flat = [
-        {
-            "case": finding.case,
-            "engine": finding.engine,
-            "track": finding.track,
-            "stiffness": finding.stiffness,
-            "dt": finding.dt,
-            "vibration_rad_s": _number(finding.base.vibration),
-            "frequency_hz": _number(finding.base.frequency),
-            "bound_rad_s": finding.base.bound,
-            **{name: None if name not in finding.shares else min(finding.shares[name], CURED) for name in CHANGES},
-            "cause": finding.cause,
-            "why": finding.why,
-            "trial": finding.base.trial,
-        }
+        known(finding, "case", "engine", "track", "stiffness", "dt")
+        | {"vibration_rad_s": _number(finding.base.vibration), "frequency_hz": _number(finding.base.frequency)}
+        | {"bound_rad_s": finding.base.bound}
+        | {name: None if name not in finding.shares else min(finding.shares[name], CURED) for name in CHANGES}
+        | known(finding, "cause", "why")
+        | {"trial": finding.base.trial}
         for finding in findings(store)
     ]
     return with_substeps(store, flat)
@@ -264,7 +246,7 @@ def _share_of(change: str) -> Column:
 TABLE = Table(
     columns=COLUMNS,
     objects=_rows,
-    flat=dict,
+    row=dict,
     shown=(
         Column("engine", "engine"),
         Column("setting", "track"),

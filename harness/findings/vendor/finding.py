@@ -1,4 +1,4 @@
-"""One finding about an engine: what the head of its script says.
+"""A finding about an engine, which is what the head of its script says; and all findings that the project has.
 
 The head is a block of inline script metadata (PyPA specification of that name, PEP 723): TOML in comments, from `# /// script`
 to `# ///`. What the finding says of itself stands in its table `tool.finding`.
@@ -6,13 +6,14 @@ to `# ///`. What the finding says of itself stands in its table `tool.finding`.
 
 import re
 import tomllib
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-Kind = Literal["bug", "trap", "limit"]
+FindingKind = Literal["bug", "trap", "limit"]
 """bug: against what the vendor documents, or the format read; trap: documented, or told, and easily fallen into; limit: the
 method's."""
 
@@ -29,7 +30,7 @@ class _Table(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
 
     engine: str = Field(min_length=1)
-    kind: Kind
+    kind: FindingKind
     title: str = Field(min_length=1)
     seen: list[str] = Field(min_length=1)
     documented: str = Field(min_length=1)
@@ -53,7 +54,7 @@ class Finding:
 
     name: str
     engine: str
-    kind: Kind
+    kind: FindingKind
     title: str
     seen: tuple[str, ...]
     documented: str
@@ -109,3 +110,21 @@ def read_finding(path: Path) -> Finding:
         text=text,
         **fields,
     )
+
+
+FOLDER = Path(__file__).resolve().parents[3] / "findings"
+"""Where the scripts lie, a folder an engine."""
+
+
+def shelf(folder: Path = FOLDER) -> list[Finding]:
+    """Every finding by name. Raises: FindingError, OSError."""
+    return [read_finding(path) for path in sorted(folder.glob("*/*.py"))]
+
+
+def chosen(findings: Sequence[Finding], asked: str) -> list[Finding]:
+    """Those of an engine, or the one of this name. Raises: FindingError, with what there is."""
+    found = [finding for finding in findings if asked in (finding.engine, finding.name)]
+    if not found:
+        names = sorted({finding.engine for finding in findings}) + [finding.name for finding in findings]
+        raise FindingError(f"no engine and no finding is called '{asked}'; there are {', '.join(names)}")
+    return found

@@ -3,7 +3,7 @@
 import ast
 import platform
 
-from plumbline.harness.findings.vendor.still_there import Standing
+from plumbline.harness.findings.vendor.still_there import ScriptAnswer
 
 _ASKED = {
     "bug": "Expected is what the documentation, or the format, says:",
@@ -12,7 +12,7 @@ _ASKED = {
 }
 
 
-def issue_text(standing: Standing) -> str:
+def issue_text(standing: ScriptAnswer) -> str:
     """Title, versions, figure, the law that is expected, what is documented, the whole script, and what helps today."""
     finding = standing.finding
     sources = "\n".join(f"- {source}" for source in finding.sources)

@@ -14,7 +14,7 @@ from plumbline.harness.intake.bounded import bounded
 SECONDS = 60.0
 """After which a script counts as hung: six times what one may take on a machine that does nothing else."""
 
-Verdict = Literal["still there", "gone", "stands", "unavailable", "failed"]
+ScriptVerdict = Literal["still there", "gone", "stands", "unavailable", "failed"]
 """stands: it is there with its mend; unavailable: what the script needs is not installed; failed: no answer."""
 
 _UNAVAILABLE = "ModuleNotFoundError"
@@ -28,7 +28,7 @@ class Mended:
     verdict: 'gone' if the mend cures it. figure: in the script's own words. price: time of a `unit` (step, ray, loading, ...)
     with the mend over that without, clocked in turns in one process; None without an answer."""
 
-    verdict: Verdict
+    verdict: ScriptVerdict
     figure: str
     price: float | None = None
     unit: str = ""
@@ -40,14 +40,14 @@ class Mended:
 
 
 @dataclass(frozen=True)
-class Standing:
+class ScriptAnswer:
     """What a script said.
 
     finding: which. verdict: of it. figure: in the script's own words, or why there is none. version: of the engine that is
     installed, '' where none is. seconds: how long it took, by the wall. mended: the same with its mend, None if not asked."""
 
     finding: Finding
-    verdict: Verdict
+    verdict: ScriptVerdict
     figure: str
     version: str
     seconds: float
@@ -67,7 +67,7 @@ def _version(finding: Finding, python: str) -> str:
     return bounded([python, "-I", "-c", command], SECONDS).out.decode("utf-8", "replace").strip()
 
 
-def _answer(finding: Finding, python: str, *arguments: str) -> tuple[Verdict, str, str]:
+def _answer(finding: Finding, python: str, *arguments: str) -> tuple[ScriptVerdict, str, str]:
     """Verdict, figure or reason, and all that was printed."""
     with tempfile.TemporaryDirectory() as folder:
         ended = bounded([python, "-I", str(finding.script), *arguments], SECONDS, cwd=folder)
@@ -76,7 +76,7 @@ def _answer(finding: Finding, python: str, *arguments: str) -> tuple[Verdict, st
         return "failed", f"no answer within {SECONDS:g} s", ""
     # A vendor's library may end its own lines on the console without a line break.
     last = printed.rstrip().rpartition("\n")[2]
-    for verdict in get_args(Verdict)[:3]:
+    for verdict in get_args(ScriptVerdict)[:3]:
         _, said, figure = last.partition(f"{verdict}: ")
         if ended.code == 0 and said:
             return verdict, figure, printed
@@ -85,7 +85,7 @@ def _answer(finding: Finding, python: str, *arguments: str) -> tuple[Verdict, st
     return "unavailable" if why.startswith(_UNAVAILABLE) else "failed", reason, printed
 
 
-def ask(finding: Finding, python: str = sys.executable) -> Standing:
+def ask(finding: Finding, python: str = sys.executable) -> ScriptAnswer:
     """Run a script, isolated from this project and from the user's paths.
 
     Args: python: the interpreter, in whose environment the engine is installed.
@@ -93,7 +93,7 @@ def ask(finding: Finding, python: str = sys.executable) -> Standing:
     begun = time.monotonic()
     verdict, figure, _ = _answer(finding, python)
     took = time.monotonic() - begun
-    return Standing(finding, verdict, figure, _version(finding, python), took)
+    return ScriptAnswer(finding, verdict, figure, _version(finding, python), took)
 
 
 def ask_mended(finding: Finding, python: str = sys.executable) -> Mended:
@@ -105,7 +105,7 @@ def ask_mended(finding: Finding, python: str = sys.executable) -> Mended:
     return Mended(verdict, figure, float(price[1]) if price else None, price[2] if price else "")
 
 
-def ask_all(findings: Sequence[Finding], python: str = sys.executable) -> Iterator[Standing]:
+def ask_all(findings: Sequence[Finding], python: str = sys.executable) -> Iterator[ScriptAnswer]:
     """Each in its turn, with its mend, as it is known."""
     for finding in findings:
         yield replace(ask(finding, python), mended=ask_mended(finding, python))

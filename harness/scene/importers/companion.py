@@ -7,7 +7,7 @@ from pydantic import Field, TypeAdapter
 from pydantic.dataclasses import dataclass
 
 from plumbline.harness.intake.documents import InputError, document, named
-from plumbline.harness.intake.import_wishes import Drop, Root, Start
+from plumbline.harness.intake.import_wishes import Root, Start
 from plumbline.harness.intake.refusal import RobotError
 from plumbline.harness.intake.typed_fields import FieldError, filled
 from plumbline.harness.scene import Motion, Quaternion, Sensor, Surface, Vector3
@@ -126,7 +126,7 @@ class Companion:
     massless: Massless | None = None
     cameras: Cameras | None = None
     units: Units | None = None
-    drop: tuple[Drop, ...] = ()
+    drop: tuple[Annotated[str, Field(min_length=1, max_length=1000)], ...] = ()
     packages: dict[Name, Annotated[str, Field(min_length=1, max_length=1000)]] = Field(default_factory=dict)
     one_friction: bool = False
     convex: Annotated[int, Field(ge=2, le=64)] | None = None

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from plumbline.harness.intake.import_wishes import Omissions
 from plumbline.harness.intake.refusal import listed
 from plumbline.harness.scene.importers.fidelity import Fidelity
 from plumbline.harness.scene.importers.kinematics import Line, mass_matrix
@@ -108,17 +109,18 @@ def inertias(bodies: Sequence[Massive]) -> tuple[list[Coordinate], Array, Array]
     return scalars, M, np.array([places[c.name] for c in scalars], dtype=np.int64)
 
 
-def consequences(bodies: Sequence[Massive], dropped: frozenset[str]) -> list[Fidelity]:
+def consequences(bodies: Sequence[Massive], dropped: Omissions) -> list[Fidelity]:
     """Rows for armature, dry friction, stiff dampers and stated masses, each with its number.
 
     Args: dropped: what the user leaves out; rotors and dry friction that are not are part of the scene.
     """
     scalars, M, places = inertias(bodies)
     held = {c.name: float(M[k, k]) for c, k in zip(scalars, places, strict=True)}
-    rows = _armature(scalars, held) if "armature" in dropped else _carried(scalars, "armature", "armature")
-    rows += _dry(scalars) if "friction_loss" in dropped else _carried(scalars, "friction_loss", "friction loss")
-    if "armature" not in dropped:
-        M[places, places] += [c.armature for c in scalars]
+    lost = [c for c in scalars if dropped.takes("armature", c.name)]
+    loose = [c for c in scalars if dropped.takes("friction_loss", c.name)]
+    rows = _armature(lost, held) + _carried([c for c in scalars if c not in lost], "armature", "armature")
+    rows += _dry(loose) + _carried([c for c in scalars if c not in loose], "friction_loss", "friction loss")
+    M[places, places] += [0.0 if c in lost else c.armature for c in scalars]
     rows += _stiff(scalars, M, places)
     if any(body.stated for body in bodies):
         rows += _stated(bodies, held)

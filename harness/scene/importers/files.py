@@ -75,16 +75,20 @@ class Folders:
 
 def content(path: Path, where: str, limit: str = "bytes") -> bytes:
     """The bytes of a regular file of at most the allowed number. Args: limit: its name. Raises: RobotError."""
+    label = where if where == named(path) else f"{where}: {named(path)}"
     try:
         regular(path)
         size = path.stat().st_size
         if excess := beyond(limit, size, "bytes"):
-            raise RobotError(f"{where}: {named(path)}: {excess}")
+            raise RobotError(f"{label}: {excess}")
         return path.read_bytes()
     except InputError as error:
         raise RobotError(f"{where}: {error}") from None
+    except FileNotFoundError:
+        looked_in = "" if path.is_absolute() else f" in {named(Path.cwd())}"
+        raise RobotError(f"{label}: there is no such file{looked_in}") from None
     except OSError as error:
-        raise RobotError(f"{where}: {named(path)}: not readable: {error.strerror}; expected a file") from None
+        raise RobotError(f"{label}: not readable: {error.strerror}; expected a file") from None
 
 
 def text_of(path: Path, where: str) -> str:

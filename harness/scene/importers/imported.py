@@ -14,7 +14,7 @@ class Imported:
     Terms:
         name: of the robot or the scene. source: the file, in words. fidelity: what became of each element. coordinates: by the
         name of each joint of the file, its value at the start [rad or m]; joints that were merged away are not among them.
-        links: by the name of each link, the body that it is part of. dropped: kinds of elements that the user left out.
+        links: by the name of each link, the body that it is part of. dropped: what the user left out.
         undropped: the scene with those of them that a scene has words for; None where none of the robot's is among them.
         looks: by body, what is drawn of it where that is not in the scene itself; empty unless asked for.
         duration [s], dt [s], look_at, seed: what the companion says of the run.

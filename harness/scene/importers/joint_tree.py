@@ -16,11 +16,14 @@ from plumbline.harness.scene import (
     Fixed,
     Joint,
     Limits,
+    MomentArm,
     PlacedShape,
     Plane,
     Prismatic,
     Revolute,
+    Samples,
     Spring,
+    Tendon,
 )
 from plumbline.harness.scene.importers.companion import Companion, Massless
 from plumbline.harness.scene.importers.consequences import Chain, Massive
@@ -28,18 +31,19 @@ from plumbline.harness.scene.importers.kinematics import Line, Posed
 from plumbline.harness.scene.importers.materials import Laws
 from plumbline.harness.scene.importers.merging import Group, check_inertia
 from plumbline.harness.scene.importers.poses import Array, Pose, pose, quaternion, vector
-from plumbline.harness.scene.importers.robot import Closure, Coordinate, Geometry, Robot, symmetric
+from plumbline.harness.scene.importers.robot import Closure, Coordinate, Cord, Geometry, Robot, symmetric
 from plumbline.harness.scene.importers.stand_ins import StandIns, stand_ins
 from plumbline.harness.scene.importers.ties import coupled
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Tree:
-    """Terms: bodies, joints: of the scene. massive: what moves, for the mass matrix. body: by lead, the body's name, WORLD for
-    what is fixed and has no shape."""
+    """Terms: bodies, joints, tendons: of the scene. massive: what moves, for the mass matrix. body: by lead, the body's name,
+    WORLD for what is fixed and has no shape."""
 
     bodies: tuple[Body, ...]
     joints: tuple[Joint, ...]
+    tendons: tuple[Tendon, ...]
     massive: tuple[Massive, ...]
     body: Mapping[str, str]
 
@@ -90,7 +94,8 @@ def tree_of(robot: Robot, groups: Mapping[str, Group], at: Posed, laws: Laws, co
         for k, line in enumerate(lines[:-1]):
             extra = _between(line, k, group, between, companion.massless, body_names)
             bodies.append(extra)
-            massive += _of_between(extra, Chain(before, lines[: k + 1]), own=between is not None)
+            if not extra.massless:
+                massive += _of_between(extra, Chain(before, lines[: k + 1]), own=between is not None)
             joints.append(_joint(line, parent, extra.name, joint_names, robot))
             called[line.coordinate.name] = joints[-1].name
             parent = extra.name
@@ -106,7 +111,8 @@ def tree_of(robot: Robot, groups: Mapping[str, Group], at: Posed, laws: Laws, co
     joints += [_closure(closure, robot, at, owner, held, joint_names) for closure in robot.closures]
     if companion.ground is not None:
         bodies.append(_ground(companion, body_names))
-    return Tree(tuple(bodies), tuple(joints), tuple(massive), held)
+    tendons = tuple(_tendon(cord, called) for cord in robot.tendons)
+    return Tree(tuple(bodies), tuple(joints), tendons, tuple(massive), held)
 
 
 def _ground(companion: Companion, names: _Names) -> Body:
@@ -151,7 +157,10 @@ def _stated_inertia(massless: Massless) -> float:
 
 
 def _between(line: Line, place: int, group: Group, between: StandIns | None, massless: Massless | None, names: _Names) -> Body:
-    """What stands behind a coordinate of a link that is not its last one. Raises: RobotError, where nothing can."""
+    """What stands behind a coordinate of a link that is not its last one: no mass, where none is stated and none can be shared.
+
+    Raises: RobotError, where only mass could.
+    """
     c = line.coordinate
     if between is not None:
         mass, moment, centre = between.mass, between.moment, between.centres[place]
@@ -159,15 +168,16 @@ def _between(line: Line, place: int, group: Group, between: StandIns | None, mas
         mass, moment, centre = massless.mass, _stated_inertia(massless), line.after.of(c.anchor)
     else:
         coordinates = group.lead.coordinates
-        several = listed([each.name for each in coordinates])
-        # Of a planar joint all coordinates are one element.
-        where = c.where if len({each.where for each in coordinates}) == 1 else group.lead.where
-        raise RobotError(
-            f"{where}: several joints {several} move one body, and a scene has one joint between two bodies "
-            "and no body without mass; the body's own mass does where the axes of all but the first meet in a point, which "
-            "these do not; [massless] mass = ... in the companion file puts bodies of that mass between them, and says what "
-            "they change"
-        )
+        if balls := [each.name for each in coordinates if each.kind == "ball"]:
+            # Of a planar joint all coordinates are one element.
+            where = c.where if len({each.where for each in coordinates}) == 1 else group.lead.where
+            raise RobotError(
+                f"{where}: several joints {listed([each.name for each in coordinates])} move one body, ball joint "
+                f"{listed(balls)} among them, and a body without mass stands between two joints with one coordinate each; the "
+                "body's own mass does where the axes of all but the first meet in a point, which these do not; [massless] "
+                "mass = ... in the companion file puts bodies of that mass between them, and says what they change"
+            )
+        mass, moment, centre = 0.0, 0.0, line.after.of(c.anchor)
     return Body(
         name=names.fresh(f"{group.lead.name}.{c.name}"[:170]),
         mass=mass,
@@ -243,23 +253,39 @@ def _joint(line: Line, parent: str, child: str, names: _Names, robot: Robot) -> 
         anchor_W=anchor,
         axis_W=vector(line.axis_W),
         position=c.reference if c.position is None else c.position,
-        limits=None if c.lower is None and c.upper is None else Limits(lower=c.lower, upper=c.upper),
+        limits=_limits(c),
         spring=_spring(c),
         drive=_drive(c),
-        armature=None if "armature" in robot.dropped else c.armature or None,
-        friction_loss=None if "friction_loss" in robot.dropped else c.friction_loss or None,
+        effort=Samples(time=(0.0,), target=(c.servo.push,)) if c.servo is not None and c.servo.push else None,
+        armature=None if robot.dropped.takes("armature", c.name) else c.armature or None,
+        friction_loss=None if robot.dropped.takes("friction_loss", c.name) else c.friction_loss or None,
         speed_limit=c.speed if robot.speed_limits else None,
         collide=robot.collide,
     )
 
 
-def _spring(c: Coordinate) -> Spring | None:
+def _tendon(cord: Cord, called: Mapping[str, str]) -> Tendon:
+    """Args: called: the joint of each coordinate, by their names."""
+    return Tendon(
+        name=cord.name,
+        arms=tuple(MomentArm(joint=called[name], arm=arm) for name, arm in cord.arms),
+        limits=_limits(cord),
+        spring=_spring(cord),
+        drive=_drive(cord),
+    )
+
+
+def _limits(c: Coordinate | Cord) -> Limits | None:
+    return None if c.lower is None and c.upper is None else Limits(lower=c.lower, upper=c.upper)
+
+
+def _spring(c: Coordinate | Cord) -> Spring | None:
     if c.stiffness == 0 and c.damping == 0:
         return None
     return Spring(stiffness=c.stiffness, damping=c.damping, rest=c.rest if c.stiffness else 0.0)
 
 
-def _drive(c: Coordinate) -> Drive | None:
+def _drive(c: Coordinate | Cord) -> Drive | None:
     s = c.servo
     if s is None:
         return None

@@ -40,7 +40,7 @@ class _Materials:
 
 def laws_of(robot: Robot, groups: Mapping[str, Group], companion: Companion) -> Laws:
     """The materials of all groups and the laws between them. Raises: RobotError."""
-    passing = "self_collision" in robot.dropped
+    passing = robot.dropped.takes("self_collision")
     neighbours = set[frozenset[str]]()
     if not robot.collide and not passing:
         # No joint of a scene is between a link and what it hangs on where several joints are: a body is between those.
@@ -209,7 +209,7 @@ def _rows(robot: Robot, companion: Companion, assumed: list[str], mixed: list[st
             value=spread,
             unit="1",
         )
-    if "self_collision" in robot.dropped and (robot.contacts is not None or companion.self_collision):
+    if robot.dropped.takes("self_collision") and (robot.contacts is not None or companion.self_collision):
         rows.append(
             Fidelity(
                 element="self-collision",

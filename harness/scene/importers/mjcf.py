@@ -54,7 +54,7 @@ def robot_of(
         if own == "world":
             names[k] = f"body_{k}"
     shapes, contacts, rows = mjcf_contacts.read(model, names)
-    servos, more, needs = mjcf_actuators.read(model, start.ctrl)
+    servos, pulls, more, needs = mjcf_actuators.read(model, start.ctrl)
     rows += more
     solids = mjcf_shapes.geometries(model, shapes, rows, needs)
     drawn, looks = mjcf_shapes.drawn(model, shapes), mjcf_shapes.looks(model, shapes)
@@ -76,16 +76,18 @@ def robot_of(
     links = _tied(model, links, needs)
     springs = mjcf_tendons.springs(model, names, rows)
     closures += springs.values()
-    needs += _others(model, text, springs)
+    cords = mjcf_tendons.fixed(model, pulls, rows)
+    needs += _others(model, text, {*springs, *cords})
     sensors, more = mjcf_sensors.read(model, names)
     seen, looks_on = mjcf_cameras.read(model, names, cameras)
-    rows += [*more, *looks_on, *_beside(model, text)]
+    rows += [*more, *looks_on, *_beside(model, text, cords)]
     free = any(c.kind == "free" for link in links for c in link.coordinates)
     gravity = (0.0, 0.0, 0.0) if model.flag("gravity") else tuple(float(g) for g in model.opt_gravity)
     return Robot(
         name=name,
         links=links,
         closures=tuple(closures),
+        tendons=tuple(cords.values()),
         root="floating" if free else "fixed",
         gravity=(gravity[0], gravity[1], gravity[2]),
         contacts=contacts,
@@ -318,7 +320,7 @@ def _others(model: Model, text: Prepared, springs: Container[int]) -> list[Need]
     return needs
 
 
-def _beside(model: Model, text: Prepared) -> list[Fidelity]:
+def _beside(model: Model, text: Prepared, cords: Container[int]) -> list[Fidelity]:
     """Rows for what stands beside the motion."""
     rows = [
         Fidelity(
@@ -334,7 +336,7 @@ def _beside(model: Model, text: Prepared) -> list[Fidelity]:
     passive = [
         model.name("tendon", k)
         for k in range(len(model.tendon_limited))
-        if not model.tendon_limited[k] and not mjcf_tendons.pulls(model, k)
+        if k not in cords and not model.tendon_limited[k] and not mjcf_tendons.pulls(model, k)
     ]
     rows += Fidelity.left_out("tendon", passive, "it has no force of its own where it has no spring, damper, friction or limit")
     held = [model.name("body", k) for k in np.flatnonzero(model.body_mocapid >= 0)]

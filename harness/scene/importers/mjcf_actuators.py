@@ -1,56 +1,106 @@
-"""MJCF's actuators: servos of one joint as drives, motors with a command as their constant force; others."""
+"""MJCF's actuators: what pulls at a joint, by a law that is affine in its coordinate and rate, as the joint's drive; others."""
 
-from typing import TypeAlias
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Literal, TypeAlias
 
 import numpy as np
 
 from plumbline.harness.scene.importers.fidelity import Fidelity
 from plumbline.harness.scene.importers.mjcf_model import Model
+from plumbline.harness.scene.importers.mjcf_tendons import has_more, is_fixed
 from plumbline.harness.scene.importers.poses import Array
 from plumbline.harness.scene.importers.robot import Need, Servo
 
 Servos: TypeAlias = dict[int, Servo]
-"""By the place of a joint in the compiled model."""
+"""By the place of a joint or tendon in the compiled model."""
+_Kind: TypeAlias = Literal["joint", "tendon"]
 
 
-def read(model: Model, ctrl: Array) -> tuple[Servos, list[Fidelity], list[Need]]:
-    """The servos of joints at the commands `ctrl`, what became of the actuators, and those that a scene has no word for."""
-    servos: Servos = {}
-    idle, driven, strange = [], [], []
+@dataclass(frozen=True, slots=True)
+class _Law:
+    """The force of an actuator on the coordinate q of its joint: constant + pull - stiffness q - damping q', cut off.
+
+    Terms: pull: what its command asks of the gains, stiffness target + damping target_velocity. low, high: the bounds.
+    """
+
+    stiffness: float
+    damping: float
+    pull: float
+    constant: float
+    low: float = -math.inf
+    high: float = math.inf
+
+    @property
+    def bounded(self) -> bool:
+        """Has it a bound?"""
+        return math.isfinite(self.low) or math.isfinite(self.high)
+
+    @property
+    def gains(self) -> bool:
+        """Does it depend on the coordinate?"""
+        return self.stiffness != 0 or self.damping != 0
+
+
+def read(model: Model, ctrl: Array) -> tuple[Servos, Servos, list[Fidelity], list[Need]]:
+    """The servos of joints and of fixed tendons at the commands `ctrl`, what became of the actuators, and those that a scene
+    has no word for."""
     if model.flag("actuation"):
         count = len(model.actuator_trntype)
         row = Fidelity(element="actuator", name="", count=count, outcome="exact", consequence="the file switches actuators off")
-        return {}, [row] if count else [], []
+        return {}, {}, [row] if count else [], []
+    laws: dict[tuple[_Kind, int], list[tuple[str, _Law]]] = {}
+    strange: list[str] = []
     for k in range(len(model.actuator_trntype)):
-        name = model.name("actuator", k)
-        servo = _servo(model, k, ctrl)
-        joint = int(model.actuator_trnid[k][0])
-        if servo is None or joint in servos:
-            strange.append(name)
-        elif servo == Servo():
-            idle.append(name)
+        law, kind = _law(model, k, ctrl), _pulled(model, k)
+        if law is None or kind is None:
+            strange.append(model.name("actuator", k))
         else:
-            driven.append(name)
-            servos[joint] = servo
-    rows = []
-    rows += Fidelity.exact("actuator", driven, "drive of its joint")
+            laws.setdefault((kind, int(model.actuator_trnid[k][0])), []).append((model.name("actuator", k), law))
+    servos: dict[_Kind, Servos] = {"joint": {}, "tendon": {}}
+    idle = list[str]()
+    driven: dict[_Kind, list[str]] = {"joint": [], "tendon": []}
+    for (kind, number), acting in laws.items():
+        array = "jnt" if kind == "joint" else "tendon"
+        whole = (-math.inf, math.inf)
+        if model.arrays[f"{array}_actfrclimited"][number]:
+            whole = tuple(float(bound) for bound in model.arrays[f"{array}_actfrcrange"][number])
+        servo, names = _servo([law for _, law in acting], whole), [name for name, _ in acting]
+        if servo is None or (kind == "tendon" and servo.push):
+            strange += names
+        elif servo == Servo():
+            idle += names
+        else:
+            driven[kind] += names
+            servos[kind][number] = servo
+    rows = Fidelity.exact("actuator", driven["joint"], "drive of its joint")
+    rows += Fidelity.exact("actuator", driven["tendon"], "drive of its tendon")
     rows += Fidelity.left_out(
         "actuator",
         idle,
         "a motor without a command has no force; a keyframe's ctrl is one, and so is a joint's feedforward "
         "in the companion file",
     )
-    return servos, rows, [Need(kind="actuator", element="actuator", names=tuple(strange))] if strange else []
+    needs = [Need(kind="actuator", element="actuator", names=tuple(strange))] if strange else []
+    return servos["joint"], servos["tendon"], rows, needs
 
 
-def _servo(model: Model, k: int, ctrl: Array) -> Servo | None:
-    """The drive that an actuator is; an empty one for a motor without a command; None for what is no drive of one joint.
+def _pulled(model: Model, k: int) -> _Kind | None:
+    """What an actuator pulls at: a joint of one coordinate, or a fixed tendon that a scene has; None for anything else."""
+    word, number = model.word("Trn", int(model.actuator_trntype[k])), int(model.actuator_trnid[k][0])
+    if word in ("joint", "jointinparent") and model.word("Joint", int(model.jnt_type[number])) in ("hinge", "slide"):
+        return "joint"
+    return "tendon" if word == "tendon" and is_fixed(model, number) and not has_more(model, number) else None
+
+
+def _law(model: Model, k: int, ctrl: Array) -> _Law | None:
+    """The law of an actuator whose force is affine in the length that it pulls at; None for another one.
 
     Its force is gain u + b_0 + b_1 l + b_2 l', with l = gear q: a torque of gear times that.
     """
     plain = (
-        model.word("Trn", int(model.actuator_trntype[k])) in ("joint", "jointinparent")
-        and model.word("Gain", int(model.actuator_gaintype[k])) == "fixed"
+        model.word("Gain", int(model.actuator_gaintype[k])) == "fixed"
         and model.word("Dyn", int(model.actuator_dyntype[k])) == "none"
         and not np.any(model.actuator_armature[k])
         and not np.any(model.actuator_damping[k])
@@ -59,25 +109,58 @@ def _servo(model: Model, k: int, ctrl: Array) -> Servo | None:
     bias = model.word("Bias", int(model.actuator_biastype[k]))
     if not plain or bias not in ("none", "affine"):
         return None
-    joint, gear, gain = int(model.actuator_trnid[k][0]), float(model.actuator_gear[k][0]), float(model.actuator_gainprm[k][0])
-    if model.word("Joint", int(model.jnt_type[joint])) not in ("hinge", "slide") or gear == 0:
+    gear, gain = float(model.actuator_gear[k][0]), float(model.actuator_gainprm[k][0])
+    if gear == 0:
         return None
     b0, b1, b2 = (float(b) for b in model.actuator_biasprm[k][:3]) if bias == "affine" else (0.0, 0.0, 0.0)
-    command = _command(model, k, ctrl)
-    limit = _limit(model, k, joint, gear)
-    if limit == 0:
-        return None
-    constant = b0 * gear
-    if b1 == b2 == 0:
-        constant += gain * command * gear
-        return Servo(limit=limit, feedforward=constant) if constant else Servo()
     if b1 > 0 or b2 > 0:
         return None
-    stiffness, damping = -b1 * gear * gear, -b2 * gear * gear
-    if b1 == 0:
-        return Servo(damping=damping, target_velocity=gain * command / (-b2 * gear), limit=limit, feedforward=constant)
-    target = gain * command / (-b1 * gear)
-    return Servo(stiffness=stiffness, damping=damping, target=target, limit=limit, feedforward=constant)
+    low, high = -math.inf, math.inf
+    if model.actuator_forcelimited[k]:
+        low, high = sorted(gear * float(bound) for bound in np.ravel(model.actuator_forcerange[k])[:2])
+    pull, constant = gain * _command(model, k, ctrl) * gear, b0 * gear
+    if b1 == b2 == 0:
+        pull, constant = 0.0, constant + pull
+    return _Law(-b1 * gear * gear, -b2 * gear * gear, pull, constant, low, high)
+
+
+def _servo(laws: Sequence[_Law], whole: tuple[float, ...]) -> Servo | None:
+    """The drive that the actuators of a length are together; an empty one where they do nothing, None where it is none.
+
+    Laws without bounds add up, and so do constants within theirs; `whole` are the bounds of all together.
+    Bounds that are not alike both ways, low and high, are those of a drive about their middle beside a constant push: with
+    m = (low + high)/2 and w = (high - low)/2, clip(f, low, high) = m + clip(f - m, -w, w).
+    """
+    if len(laws) > 1:
+        if any(law.bounded and law.gains for law in laws):
+            return None
+        fixed = sum(min(max(law.constant, law.low), law.high) for law in laws if not law.gains)
+        pulled = [law for law in laws if law.gains]
+        laws = [
+            _Law(
+                sum(law.stiffness for law in pulled),
+                sum(law.damping for law in pulled),
+                sum(law.pull for law in pulled),
+                fixed + sum(law.constant for law in pulled),
+            )
+        ]
+    (law,) = laws
+    low, high = max(law.low, whole[0]), min(law.high, whole[1])
+    if low > high or (low == high == 0):
+        return None
+    if not law.gains and min(max(law.constant, low), high) == 0:
+        return Servo()
+    middle, limit = 0.0, None
+    if math.isfinite(low) or math.isfinite(high):
+        if abs(low + high) > 1e-12 * abs(high):
+            middle = (low + high) / 2
+        limit = high - middle
+    if limit is not None and (not math.isfinite(limit) or limit <= 0):
+        return None
+    servo = Servo(stiffness=law.stiffness, damping=law.damping, limit=limit, feedforward=law.constant - middle, push=middle)
+    if law.stiffness > 0:
+        return replace(servo, target=law.pull / law.stiffness)
+    return replace(servo, target_velocity=law.pull / law.damping) if law.damping > 0 else servo
 
 
 def _command(model: Model, k: int, ctrl: Array) -> float:
@@ -87,15 +170,3 @@ def _command(model: Model, k: int, ctrl: Array) -> float:
         low, high = (float(x) for x in np.ravel(model.actuator_ctrlrange[k])[:2])
         command = min(max(command, low), high)
     return command
-
-
-def _limit(model: Model, k: int, joint: int, gear: float) -> float | None:
-    """The greatest force on the coordinate; None for no bound, 0 for bounds that are not alike both ways."""
-    bounds = []
-    if model.actuator_forcelimited[k]:
-        bounds.append(np.ravel(model.actuator_forcerange[k])[:2] * abs(gear))
-    if model.jnt_actfrclimited[joint]:
-        bounds.append(model.jnt_actfrcrange[joint])
-    if any(abs(low + high) > 1e-12 * abs(high) or high <= 0 for low, high in bounds):
-        return 0.0
-    return min((float(high) for _, high in bounds), default=None)

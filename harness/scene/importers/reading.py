@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from plumbline.harness.intake.documents import named
-from plumbline.harness.intake.import_wishes import Drop, Wishes
+from plumbline.harness.intake.import_wishes import Drop, Omissions, Wishes
 from plumbline.harness.intake.refusal import RobotError, listed
 from plumbline.harness.intake.safe_text import quoted, readable
 from plumbline.harness.scene import EARTH_GRAVITY, WORLD, Camera, DepthCamera, PlacedShape, Samples, Scene, Surface
@@ -96,6 +96,7 @@ def commands_of(path: Path, companion: Companion) -> Mapping[str, Samples]:
 def _wished(path: Path, wishes: Wishes, companion: Companion | None) -> tuple[Companion, Wishes]:
     """What stands beside the file, and what is wished there and on the command line together."""
     beside_it = companion if companion is not None else load_companion(beside(path))
+    Omissions.of(beside_it.drop, f"{named(beside(path))}: drop")
     return beside_it, replace(
         wishes,
         drop=wishes.drop | frozenset(beside_it.drop),
@@ -135,18 +136,23 @@ def imported(robot: Robot, companion: Companion, wishes: Wishes, commands: Mappi
 
     Raises: RobotError.
     """
+    dropped = wishes.omissions
     whole, unknown = _undropped(robot, companion, wishes, commands)
     if companion.ellipsoids == "polyhedra":
         robot = as_polyhedra(robot)
     rows = [*robot.rows, *unknown, *suspected(robot, companion.units)]
+    if dropped.takes("tendon"):
+        rows += Fidelity.left_out("tendon", [cord.name for cord in robot.tendons], "tendon was dropped by the user")
+        robot = replace(robot, tendons=())
     if companion.units is not None:
         robot = scaled(robot, companion.units)
     if companion.base is not None and robot.gravity is not None:
         raise RobotError(f"{robot.source}: base is for files that do not say where their root is; this one does")
     companion, wishes = scenarios.rooted_for(wishes.scenario, robot, companion, wishes)
     robot, more = rooted(robot, companion, wishes)
-    rows += [*more, *undropped(robot, wishes.drop)]
-    robot, more = untied(replace(robot, dropped=frozenset(wishes.drop)), wishes.drop)
+    robot = replace(robot, dropped=dropped)
+    rows += [*more, *undropped(robot)]
+    robot, more = untied(robot)
     rows += more
     start = wishes.start or companion.start or ("inside" if wishes.scenario else "zero")
     robot, more = settled(robot, replace(companion, start=start), commands)
@@ -167,7 +173,7 @@ def imported(robot: Robot, companion: Companion, wishes: Wishes, commands: Mappi
         robot, more = (scenarios.held_by_drives if wishes.scenario == "hold" else swept)(robot, poses)
         rows += more
     made = _made(followed(robot), companion)
-    rows += [*_counted(robot, made), *made.laws.rows, *consequences(made.tree.massive, wishes.drop)]
+    rows += [*_counted(robot, made), *made.laws.rows, *consequences(made.tree.massive, dropped)]
     surfaces = made.laws.surfaces
     if wishes.one_friction:
         surfaces, more = one_friction(surfaces)
@@ -193,7 +199,7 @@ def imported(robot: Robot, companion: Companion, wishes: Wishes, commands: Mappi
         },
         links=links,
         looks=looks,
-        dropped=tuple(sorted(wishes.drop)),
+        dropped=dropped.texts,
         undropped=None if whole == scene else whole,
         duration=companion.duration,
         dt=companion.dt,
@@ -202,7 +208,7 @@ def imported(robot: Robot, companion: Companion, wishes: Wishes, commands: Mappi
     )
 
 
-_WORDED: frozenset[Drop] = frozenset(("armature", "equality", "friction_loss", "mimic", "self_collision"))
+_WORDED: frozenset[Drop] = frozenset(("armature", "equality", "friction_loss", "mimic", "self_collision", "tendon"))
 """What may be dropped although a scene has words for it, as far as joints and ties have it."""
 
 
@@ -210,11 +216,13 @@ def _undropped(
     robot: Robot, companion: Companion, wishes: Wishes, commands: Mapping[str, Samples]
 ) -> tuple[Scene | None, list[Fidelity]]:
     """The scene as it would be without what the user drops of `_WORDED`, and a row that says why where there is none."""
-    back = (wishes.drop & _WORDED) - wordless_kinds(robot)
+    dropped = wishes.omissions
+    back = (dropped.kinds & _WORDED) - wordless_kinds(robot)
     if not back:
         return None, []
+    remaining = frozenset(dropped.restored(back).texts)
     try:
-        return imported(robot, companion, replace(wishes, drop=wishes.drop - back, looks=False, tell=None), commands).scene, []
+        return imported(robot, companion, replace(wishes, drop=remaining, looks=False, tell=None), commands).scene, []
     except RobotError as error:
         kinds = listed(sorted(back))
         why = f"what that changes is not measured, since it cannot be read with them: {error}"
@@ -266,6 +274,7 @@ def _scene(robot: Robot, companion: Companion, made: _Made, surfaces: tuple[Surf
             bodies=coloured(made.tree.bodies, robot.links, links),
             sensors=sensors,
             joints=made.tree.joints,
+            tendons=made.tree.tendons or None,
             surfaces=surfaces,
             gravity=gravity,
             apart=_apart(made),

@@ -60,7 +60,9 @@ def replayed(
         values, drive = log.columns[joint.name, quantity], joint.drive
         if quantity == "torque":
             limit = None if drive is None else drive.limit
-            cut = values if limit is None else [min(max(value, -limit), limit) for value in values]
+            # A constant effort beside a drive is the middle of bounds that are not alike both ways.
+            middle = 0.0 if joint.effort is None else joint.effort.at(0.0, 0.0)
+            cut = values if limit is None else [min(max(value, middle - limit), middle + limit) for value in values]
             return replace(joint, drive=None, effort=led(cut))
         drive = _with_gains(joint, quantity, gains, log.source)
         if quantity == "position":

@@ -15,7 +15,7 @@ from zlib import crc32
 
 import numpy as np
 
-from plumbline.harness.intake.import_wishes import Drop
+from plumbline.harness.intake.import_wishes import NOTHING, Drop, Omissions
 from plumbline.harness.scene import Matrix3, Motion, Sensor, Shape, Surface, Vector3
 from plumbline.harness.scene.importers.fidelity import Fidelity
 from plumbline.harness.scene.importers.poses import IDENTITY, Array, Pose
@@ -61,9 +61,9 @@ class Look:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Servo:
-    """A drive: stiffness (target - x) + damping (target_velocity - x') + feedforward, cut off at limit.
+    """A drive: stiffness (target - x) + damping (target_velocity - x') + feedforward, cut off at limit, and a constant push.
 
-    Terms: motion: how its target moves.
+    Terms: motion: how its target moves. push [N m or N]: beside the drive, not cut off.
     """
 
     stiffness: float = 0.0
@@ -73,6 +73,7 @@ class Servo:
     limit: float | None = None
     motion: Motion | None = None
     feedforward: float = 0.0
+    push: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -168,6 +169,23 @@ class Closure:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Cord:
+    """A tendon: a length that is the sum of arm times coordinate, with the laws that a coordinate has.
+
+    Terms: arms: by the name of a coordinate. lower, upper: None is open. stiffness, damping, rest: of a passive spring.
+    """
+
+    name: str
+    arms: tuple[tuple[str, float], ...]
+    lower: float | None = None
+    upper: float | None = None
+    stiffness: float = 0.0
+    damping: float = 0.0
+    rest: float = 0.0
+    servo: Servo | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Contacts:
     """Who touches whom, by contact keys and by links.
 
@@ -208,7 +226,7 @@ class Robot:
         where it does not say. contacts: None where it does not say: then all links are of the material 'robot'. filter_world:
         does a link that hangs on the world pass through what is fixed to the world? collide: do links touch what they hang on?
         sensors: of the file, with a link for their body. rows: what was settled while it was read.
-        needs: what has to be dropped by the user. dropped: what the user has dropped, of what a scene has words for.
+        needs: what has to be dropped by the user. dropped: what the user has dropped.
         speed_limits: are bounds of speed laws of the scene?
         wordless: fields of a Coordinate that the format has no word for.
     """
@@ -216,6 +234,7 @@ class Robot:
     name: str
     links: tuple[Link, ...]
     closures: tuple[Closure, ...] = ()
+    tendons: tuple[Cord, ...] = ()
     root: Literal["fixed", "floating"] | None = None
     gravity: Vector3 | None = None
     contacts: Contacts | None = None
@@ -224,7 +243,7 @@ class Robot:
     sensors: tuple[Sensor, ...] = ()
     rows: tuple[Fidelity, ...] = ()
     needs: tuple[Need, ...] = ()
-    dropped: frozenset[str] = frozenset()
+    dropped: Omissions = NOTHING
     speed_limits: bool = False
     wordless: frozenset[str] = frozenset()
     source: str = ""

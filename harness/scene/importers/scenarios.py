@@ -50,7 +50,8 @@ def rooted_for(scenario: Scenario | None, robot: Robot, companion: Companion, wi
 
 def unpowered(robot: Robot) -> Robot:
     """Without drives."""
-    return _each(robot, lambda c: replace(c, servo=None))
+    slack = tuple(replace(cord, servo=None) for cord in robot.tendons)
+    return replace(_each(robot, lambda c: replace(c, servo=None)), tendons=slack)
 
 
 def _each(robot: Robot, change: Callable[[Coordinate], Coordinate]) -> Robot:
@@ -81,12 +82,12 @@ def held_by_drives(
 
     Args: poses: that it is strong enough for. names: of these joints alone; of all if None.
     """
-    rotors = 0.0 if "armature" in robot.dropped else 1.0
     own: dict[str, float] = {}
     for bodies in poses:
         scalars, M, places = inertias(bodies)
         for c, k in zip(scalars, places, strict=True):
-            own[c.name] = max(own.get(c.name, 0.0), float(M[k, k]) + rotors * c.armature)
+            rotor = 0.0 if robot.dropped.takes("armature", c.name) else c.armature
+            own[c.name] = max(own.get(c.name, 0.0), float(M[k, k]) + rotor)
     given = []
 
     def hold(c: Coordinate) -> Coordinate:

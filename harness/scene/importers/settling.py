@@ -5,7 +5,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from types import MappingProxyType
 
-from plumbline.harness.intake.import_wishes import DROPPABLE, Drop, Wishes
+from plumbline.harness.intake.import_wishes import DROPPABLE, Drop, Omissions, Wishes
 from plumbline.harness.intake.near_miss import did_you_mean
 from plumbline.harness.intake.refusal import RobotError, listed
 from plumbline.harness.intake.safe_text import quoted
@@ -65,10 +65,14 @@ def _weighs(robot: Robot) -> bool:
     return any(link.solid is not None and link.solid.mass > 0 for link in robot.links if link.name in fixed)
 
 
-def undropped(robot: Robot, dropped: frozenset[str]) -> list[Fidelity]:
-    """Rows for what the user leaves out. Raises: RobotError, naming all that has no word in a scene and is not dropped."""
+def undropped(robot: Robot) -> list[Fidelity]:
+    """Rows for what the user leaves out.
+
+    Raises: RobotError, naming all that has no word in a scene and is not dropped, and a pattern that no joint meets.
+    """
+    robot.dropped.check((c.name for link in robot.links for c in link.coordinates), robot.source)
     needs = (*robot.needs, *_of_coordinates(robot))
-    open_needs = [need for need in needs if need.kind not in dropped]
+    open_needs = [left for need in needs if (left := left_of(need, robot.dropped)) is not None]
     if open_needs:
         lines = [
             f"{robot.source}: {need.element} {listed(need.names)}: {_said(need)}: a scene has no word for "
@@ -86,6 +90,13 @@ def undropped(robot: Robot, dropped: frozenset[str]) -> list[Fidelity]:
         )
         for need in needs
     ]
+
+
+def left_of(need: Need, dropped: Omissions) -> Need | None:
+    """What of a need is not left out; None for nothing."""
+    joints = need.names if need.element == "joint" else ()
+    names = tuple(name for name in need.names if not dropped.takes(need.kind, name if name in joints else None))
+    return replace(need, names=names) if names else None
 
 
 def wordless_kinds(robot: Robot) -> frozenset[str]:
@@ -225,8 +236,10 @@ def _servo(c: Coordinate, wish: JointWish, companion: Companion, motion: Motion 
     general = (base.stiffness, base.damping) if drives is None else (drives.stiffness, drives.damping)
     stiffness = general[0] if wish.stiffness is None else wish.stiffness
     damping = general[1] if wish.damping is None else wish.damping
-    feedforward = base.feedforward if wish.feedforward is None else wish.feedforward
-    if stiffness == 0 and damping == 0 and feedforward == 0 and motion is None:
+    # Bounds that are not alike both ways are those about a push; a limit of the user's is alike.
+    push = base.push if wish.limit is None else 0.0
+    feedforward = (base.feedforward + base.push if wish.feedforward is None else wish.feedforward) - push
+    if stiffness == 0 and damping == 0 and feedforward == 0 and push == 0 and motion is None:
         return None
     target = wish.target if wish.target is not None else (base.target if c.servo is not None else c.position or 0.0)
     limit = wish.limit or base.limit or c.effort
@@ -238,6 +251,7 @@ def _servo(c: Coordinate, wish: JointWish, companion: Companion, motion: Motion 
         limit=limit,
         motion=motion or base.motion,
         feedforward=feedforward,
+        push=push,
     )
 
 

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import replace
 
+from plumbline.harness.intake.import_wishes import Omissions
 from plumbline.harness.intake.refusal import RobotError, listed
 from plumbline.harness.intake.safe_text import quoted
 from plumbline.harness.scene import Coupling, Joint, Prismatic, Revolute
@@ -16,9 +17,9 @@ FAR = 1e9
 """What no follower starts at, nor at a rate of: beyond it a turn has no digits left."""
 
 
-def untied(robot: Robot, dropped: frozenset[str]) -> tuple[Robot, list[Fidelity]]:
+def untied(robot: Robot) -> tuple[Robot, list[Fidelity]]:
     """The robot without the ties that its user leaves out, and a row that says so."""
-    lost = [c.name for c in _coordinates(robot) if c.tie is not None and dropped & c.tie.kinds]
+    lost = [c.name for c in _coordinates(robot) if lets_go(robot.dropped, c)]
     if not lost:
         return robot, []
     row = Fidelity(
@@ -29,6 +30,11 @@ def untied(robot: Robot, dropped: frozenset[str]) -> tuple[Robot, list[Fidelity]
         consequence="mimic was dropped by the user: each then moves freely",
     )
     return _each(robot, {name: {"tie": None} for name in lost}), [row]
+
+
+def lets_go(dropped: Omissions, c: Coordinate) -> bool:
+    """Has the coordinate a tie, and does its user leave it out?"""
+    return c.tie is not None and any(dropped.takes(kind, c.name) for kind in c.tie.kinds)
 
 
 def tied(robot: Robot) -> tuple[Robot, list[Fidelity]]:

@@ -5,6 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from plumbline.harness.intake.refusal import RobotError
+from plumbline.harness.intake.safe_text import quoted
 from plumbline.harness.scene import Box, Capsule, ConvexHull, Cylinder, Ellipsoid, Shape, Sphere, TriangleMesh
 from plumbline.harness.scene.importers.companion import Units
 from plumbline.harness.scene.importers.fidelity import Fidelity
@@ -35,7 +37,12 @@ def suspected(robot: Robot, units: Units | None) -> list[Fidelity]:
 
 
 def scaled(robot: Robot, units: Units) -> Robot:
-    """All lengths, masses and what is made of them, seconds and radians left as they are."""
+    """All lengths, masses and what is made of them, seconds and radians left as they are. Raises: RobotError."""
+    if robot.tendons:
+        raise RobotError(
+            f"{robot.source}: tendon {quoted(robot.tendons[0].name, 80)}: its length has a unit of its own, expected no "
+            "[units] in the companion file; --drop tendon leaves tendons out"
+        )
     length = units.length
     slides = frozenset(c.name for link in robot.links for c in link.coordinates if c.kind == "prismatic")
     return replace(
@@ -126,6 +133,7 @@ def _coordinate(c: Coordinate, L: float, M: float, slides: Container[str]) -> Co
             target_velocity=servo.target_velocity * own,
             limit=None if servo.limit is None else servo.limit * force,
             feedforward=servo.feedforward * force,
+            push=servo.push * force,
         )
     return replace(
         c,

@@ -6,8 +6,8 @@ from typing import Any, Literal
 Quantity = Literal[
     "joint", "type", "parent", "axis", "anchor", "lower", "upper", "damping", "stiffness", "rest", "armature",
     "friction_loss", "effort", "speed", "mass", "centre", "inertia", "law", "ratio", "offset", "point", "gravity",
-    "drive stiffness", "drive damping", "drive target", "drive rate", "drive force", "drive limit", "shape", "touch",
-    "friction", "gravity torque", "mass matrix", "acceleration",
+    "drive stiffness", "drive damping", "drive target", "drive rate", "drive force", "drive push", "drive limit", "shape",
+    "touch", "friction", "gravity torque", "mass matrix", "acceleration",
 ]  # fmt: skip
 Value = str | float | tuple[float, ...] | None
 

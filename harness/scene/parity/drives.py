@@ -27,6 +27,7 @@ def drive_rows(
         ("drive target", "target", own, max(mine.stiffness, other.stiffness)),
         ("drive rate", "target_velocity", f"{own}/s", max(mine.damping, other.damping)),
         ("drive force", "feedforward", force, 1.0),
+        ("drive push", "push", force, 1.0),
     )
     rows = []
     for quantity, field, unit, times in numbers:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from plumbline.harness.intake.import_wishes import Root, Wishes
+from plumbline.harness.intake.import_wishes import NOTHING, Omissions, Root, Wishes
 from plumbline.harness.scene import Surface
 from plumbline.harness.scene.importers.companion import Companion
 from plumbline.harness.scene.importers.kinematics import Posed, posed
@@ -15,8 +15,10 @@ from plumbline.harness.scene.importers.materials import laws_of
 from plumbline.harness.scene.importers.merging import grouped
 from plumbline.harness.scene.importers.poses import IDENTITY, Array
 from plumbline.harness.scene.importers.reading import robot_of
-from plumbline.harness.scene.importers.robot import Coordinate, Geometry, Link, Robot
+from plumbline.harness.scene.importers.robot import Coordinate, Cord, Geometry, Link, Robot
+from plumbline.harness.scene.importers.settling import left_of
 from plumbline.harness.scene.importers.solids import moved
+from plumbline.harness.scene.importers.ties import lets_go
 from plumbline.harness.scene.parity.contacts import stronger
 from plumbline.harness.scene.parity.facts import FIXED, JointFacts, Law, MassFacts, RobotFacts
 
@@ -28,6 +30,8 @@ _MERGED = ("armature", "friction_loss")
 def pair_of(path_A: Path, path_B: Path, wishes: Wishes) -> tuple[RobotFacts, RobotFacts]:
     """The facts of two files. Where one does not say how its root is held, it is held as the other's. Raises: RobotError."""
     read = [robot_of(path, wishes) for path in (path_A, path_B)]
+    joints = [c.name for robot, _, _ in read for link in robot.links for c in link.coordinates]
+    wishes.omissions.check(joints, " and ".join(robot.source for robot, _, _ in read))
     roots = [robot.root or wishes.root or companion.root for robot, companion, _ in read]
     a, b = (
         _facts(robot, own or other or "fixed", all_wishes)
@@ -45,6 +49,7 @@ def facts_of(path: Path, wishes: Wishes) -> RobotFacts:
 def audited(path: Path, wishes: Wishes) -> tuple[RobotFacts, Root]:
     """The facts that a file states, and how a loader is to hold its root. Raises: RobotError."""
     robot, companion, wishes = robot_of(path, wishes)
+    wishes.omissions.check((c.name for link in robot.links for c in link.coordinates), robot.source)
     root = wishes.root or companion.root or "fixed" if robot.root is None else "fixed"
     return _facts(robot, robot.root or root, wishes), root
 
@@ -53,11 +58,11 @@ def _facts(robot: Robot, root: Root, wishes: Wishes) -> RobotFacts:
     if robot.root is None and root == "floating":
         free = Coordinate(name=f"{robot.links[0].name}.root", kind="free")
         robot = replace(robot, links=(replace(robot.links[0], coordinates=(free,)), *robot.links[1:]))
-    return of_robot(robot, wishes.drop)
+    return of_robot(robot, wishes.omissions)
 
 
-def of_robot(robot: Robot, dropped: frozenset[str] = frozenset()) -> RobotFacts:
-    """The facts of a neutral robot. Args: dropped: kinds of elements that are taken out."""
+def of_robot(robot: Robot, dropped: Omissions = NOTHING) -> RobotFacts:
+    """The facts of a neutral robot. Args: dropped: what is taken out."""
     robot = replace(robot, links=tuple(_at_zero(link) for link in robot.links))
     at = posed(robot, IDENTITY)
     joints: list[JointFacts] = []
@@ -121,22 +126,25 @@ def _touches(robot: Robot, last: Mapping[str, str]) -> dict[frozenset[str], Surf
     return touches
 
 
-def _laws(robot: Robot, at: Posed, last: dict[str, str], dropped: frozenset[str]) -> tuple[Law, ...]:
+def _laws(robot: Robot, at: Posed, last: dict[str, str], dropped: Omissions) -> tuple[Law, ...]:
     """Ties, springs and closures with their numbers, all else by its name."""
-    kept = [need for need in robot.needs if need.kind not in (*_MERGED, *dropped, _DRIVEN)]
+    compared = [need for need in robot.needs if need.kind not in (*_MERGED, _DRIVEN)]
+    kept = [left for need in compared if (left := left_of(need, dropped)) is not None]
     laws = [
         Law(kind="mimic", name=c.name, partners=(c.tie.joint,), ratio=c.tie.ratio, offset=c.tie.offset)
         for link in robot.links
         for c in link.coordinates
-        if c.tie is not None and not dropped & c.tie.kinds
+        if c.tie is not None and not lets_go(dropped, c)
     ]
     laws += [Law(kind=need.kind, name=name) for need in kept for name in need.names]
+    if not dropped.takes("tendon"):
+        laws += [Law(kind="tendon", name=_told(cord)) for cord in robot.tendons]
     for closure in robot.closures:
         if closure.kind == "spring":
             values = f"{closure.stiffness:g} N/m, {closure.damping:g} N s/m, rest {closure.rest:g} m"
             laws.append(Law(kind="tendon", name=f"{closure.name} of {values}"))
             continue
-        if "equality" in dropped:
+        if dropped.takes("equality"):
             continue
         p_A, p_B = (at.pose[link].of(p) for link, p in ((closure.link_A, closure.anchor_A), (closure.link_B, closure.anchor_B)))
         laws.append(
@@ -151,6 +159,13 @@ def _laws(robot: Robot, at: Posed, last: dict[str, str], dropped: frozenset[str]
     return tuple(laws)
 
 
+def _told(cord: Cord) -> str:
+    """A tendon by its name and numbers."""
+    length = " + ".join(f"{arm:g} {name}" for name, arm in cord.arms)
+    spring = f"{cord.stiffness:g} N/m, {cord.damping:g} N s/m, rest {cord.rest:g} m"
+    return f"{cord.name} of {length}, {spring}, from {cord.lower} to {cord.upper}"
+
+
 def _at_zero(link: Link) -> Link:
     """The link with every coordinate at 0, and at W's origin where it is free in W."""
     coordinates = tuple(
@@ -161,7 +176,7 @@ def _at_zero(link: Link) -> Link:
     return replace(link, coordinates=coordinates, X_PL=IDENTITY if free else link.X_PL)
 
 
-def _joint(c: Coordinate, parent: str, axis: Array, anchor: Array, dropped: frozenset[str]) -> JointFacts:
+def _joint(c: Coordinate, parent: str, axis: Array, anchor: Array, dropped: Omissions) -> JointFacts:
     lower, upper = c.lower, c.upper
     if c.needs_range:
         lower, upper = lower or 0.0, upper or 0.0
@@ -176,8 +191,8 @@ def _joint(c: Coordinate, parent: str, axis: Array, anchor: Array, dropped: froz
         damping=c.damping,
         stiffness=c.stiffness,
         rest=c.rest if c.stiffness > 0 else 0.0,
-        armature=0.0 if "armature" in dropped else c.armature,
-        friction_loss=0.0 if "friction_loss" in dropped else c.friction_loss,
+        armature=0.0 if dropped.takes("armature", c.name) else c.armature,
+        friction_loss=0.0 if dropped.takes("friction_loss", c.name) else c.friction_loss,
         effort=c.effort,
         speed=c.speed,
         drive=c.servo,

@@ -10,7 +10,7 @@ from pydantic import TypeAdapter
 
 from plumbline.api.arguments import checked, within
 from plumbline.harness.intake.documents import named
-from plumbline.harness.intake.import_wishes import Drop, Root, Scenario, Start, Wishes
+from plumbline.harness.intake.import_wishes import Root, Scenario, Start, Wishes
 from plumbline.harness.intake.near_miss import did_you_mean
 from plumbline.harness.intake.refusal import RobotError
 from plumbline.harness.intake.safe_text import quoted
@@ -29,7 +29,7 @@ Source: TypeAlias = Scene | Path | str
 class ImportOptions(TypedDict, total=False):
     """How a robot file becomes a scene, by the names of the command line's options: what the file does not say."""
 
-    drop: Sequence[Drop]
+    drop: Sequence[str]
     packages: Mapping[str, str]
     root: Root
     scenario: Scenario

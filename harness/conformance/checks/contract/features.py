@@ -30,6 +30,7 @@ from plumbline.harness.scene import (
     Fixed,
     Joint,
     Limits,
+    MomentArm,
     PlacedShape,
     Plane,
     Prescribed,
@@ -42,6 +43,7 @@ from plumbline.harness.scene import (
     Sphere,
     Spring,
     Surface,
+    Tendon,
     TriangleMesh,
     Vector3,
 )
@@ -199,6 +201,13 @@ _SCENES: Mapping[Feature, Callable[[], Scene]] = {
             free(p=(0.0, 0.0, 1.0)),
         )
     ),
+    Feature.MASSLESS: lambda: Scene(
+        bodies=(Body.between("between"), free("body", p=(0.0, 0.0, -1.0))),
+        joints=(
+            Prismatic(name="first", parent=WORLD, child="between", anchor_W=(0.0, 0.0, 0.0), axis_W=(1.0, 0.0, 0.0)),
+            replace(_RAIL, parent="between", axis_W=(0.0, 1.0, 0.0)),
+        ),
+    ),
     Feature.MASS_POINT: lambda: Scene(bodies=(free(moments=(0.0, 0.0, 0.0)),)),
     Feature.FIXED: lambda: _joint(Fixed(name="j", parent=WORLD, child="body")),
     Feature.BALL: lambda: _joint(Ball(name="j", parent=WORLD, child="body", anchor_W=(0.0, 0.0, 0.0))),
@@ -234,6 +243,7 @@ _SCENES: Mapping[Feature, Callable[[], Scene]] = {
         ),
     ),
     Feature.FEEDFORWARD: lambda: _slide(drive=Drive(feedforward=1.0)),
+    Feature.TENDON: lambda: replace(_slide(), tendons=(Tendon(name="t", arms=(MomentArm(joint="j", arm=2.0),)),)),
     Feature.PAIR_FRICTION: _no_rule,
     Feature.STATIC_FRICTION: lambda: _surface(Surface(between=_TOUCHING, static_friction=0.6, kinetic_friction=0.4)),
     Feature.ROLLING_FRICTION: lambda: _surface(

@@ -1,5 +1,6 @@
 """Checks of joints: what they let free, what they hold, and whether the bodies that they hold collide."""
 
+from dataclasses import replace
 from math import cos, pi, sin, sqrt
 
 import numpy as np
@@ -13,6 +14,7 @@ from plumbline.harness.conformance.scenes import TURNED, G, block, free
 from plumbline.harness.scene import (
     WORLD,
     Ball,
+    Body,
     Distance,
     Fixed,
     Prismatic,
@@ -43,6 +45,70 @@ def _pendulum(angle: float, *, length: float = 1.0, moment: float = 0.2, mass: f
     )
     pin = Revolute(name="pin", parent=WORLD, child="bob", anchor_W=_NOWHERE, axis_W=(0.0, 1.0, 0.0))
     return Scene(bodies=(bob,), joints=(pin,))
+
+
+def _several(t: float) -> tuple[np.ndarray, float]:
+    """Where the two slides and the hinge of `several_joints_move_one_body` are after t [s]."""
+    arm, rate, angle = np.array((0.3, 0.1)), 3.0, 0.2
+
+    def centre(a: float) -> np.ndarray:
+        return np.array((arm[0] * cos(a) + arm[1] * sin(a), arm[1] * cos(a) - arm[0] * sin(a)))
+
+    def swinging(a: float) -> np.ndarray:
+        return rate * np.array((arm[1] * cos(a) - arm[0] * sin(a), -arm[0] * cos(a) - arm[1] * sin(a)))
+
+    fallen = centre(angle) + (np.array((1.0, 0.5)) + swinging(angle)) * t - (0.0, G * t * t / 2)
+    return fallen - centre(angle + rate * t), angle + rate * t
+
+
+@check(
+    "Do several joints, one after the other with no mass between them, move one body?",
+    Feature.MASSLESS | Feature.REVOLUTE | Feature.PRISMATIC,
+)
+def several_joints_move_one_body(adapter: Adapter, settings: Settings) -> Finding:
+    """Slides along x and z, then a hinge about y, .32 m off the centre of mass: that falls as a free body's does, at 3 rad/s.
+
+    What the slides carry alone stands where the hinge is, and does not turn.
+    """
+    t, start = 0.3, 0.2
+    turn = axis_angle((0.0, 1.0, 0.0), start)
+    swing = rotate(turn, (0.3, 0.0, 0.1))
+    moves = (1.0 + 3.0 * swing[2], 0.0, 0.5 - 3.0 * swing[0])
+    body = replace(free("body", moments=(0.1, 0.2, 0.3), p=swing, q=turn), v_WB=moves, w_WB=(0.0, 3.0, 0.0))
+    bodies = (
+        Body.between("ahead", v_WB=(1.0, 0.0, 0.0)),
+        Body.between("above", v_WB=(1.0, 0.0, 0.5)),
+        body,
+    )
+    joints = (
+        Prismatic(name="x", parent=WORLD, child="ahead", anchor_W=_NOWHERE, axis_W=(1.0, 0.0, 0.0)),
+        Prismatic(name="z", parent="ahead", child="above", anchor_W=_NOWHERE, axis_W=(0.0, 0.0, 1.0)),
+        Revolute(name="y", parent="above", child="body", anchor_W=_NOWHERE, axis_W=(0.0, 1.0, 0.0), position=start),
+    )
+    end = final(adapter, Scene(bodies=bodies, joints=joints), settings.with_dt(FINE), t)
+    (x, z), angle = _several(t)
+    turned = axis_angle((0.0, 1.0, 0.0), angle)
+    swung = rotate(turned, (0.3, 0.0, 0.1))
+    return judge(
+        near("body after .3 s [m]", end.p_WB[2], (x + swung[0], 0.0, z + swung[2]), _HELD, f"3 m/s times dt/2: {_FIRST}"),
+        near("turn of the body [rad]", angle_between(end.q_WB[2], turned), 0.0, _HELD, "nothing turns it"),
+        near("on the first slide [m]", end.p_WB[0], (x, 0.0, 0.0), _HELD, "where the hinge is, and at the height of the rail"),
+        near("on both slides [m]", end.p_WB[1], (x, 0.0, z), _HELD, "where the hinge is"),
+        near("turn of what slides [1]", end.q_WB[:2], [(1.0, 0.0, 0.0, 0.0)] * 2, 1e-9, "a slide turns nothing"),
+        near("its angular velocity [rad/s]", end.w_WB[:2], np.zeros((2, 3)), 1e-9, "nor does it while it moves"),
+        near(
+            "its velocity against the hinge's [m/s]",
+            end.v_WB[1],
+            _speed_at(end.v_WB[2], end.w_WB[2], swung),
+            0.02,
+            "as they meet",
+        ),
+    )
+
+
+def _speed_at(v: np.ndarray, w: np.ndarray, arm: Vector3) -> np.ndarray:
+    """The velocity at a hinge of a body whose centre is off it by an arm [m]."""
+    return v - np.cross(w, arm)
 
 
 @check("Does a rigid pendulum swing at its rate, inertia about the axis included?", Feature.REVOLUTE)

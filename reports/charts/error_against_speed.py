@@ -1,7 +1,5 @@
 """Error against speed of each engine over the cases of a run: the picture of the first page."""
 
-from statistics import median
-
 from plumbline.harness.store.store import Store
 from plumbline.reports.charts.figure import Figure
 from plumbline.reports.charts.grammar import Row, chart, hovering
@@ -15,8 +13,8 @@ LEAST = 1e-6
 ERROR, SPEED = "error, as a share of the case's scale", "times real time"
 
 
-def typical_case(store: Store) -> Figure | None:
-    """A small mark for each engine and case, a large one at the medians; None where no engine has a speed."""
+def error_against_speed(store: Store) -> Figure | None:
+    """A small mark for each engine and case, a large one at its figures over all; None where no engine has a speed."""
     evidence = answer(store).evidence
     rows: list[Row] = [
         {
@@ -33,11 +31,12 @@ def typical_case(store: Store) -> Figure | None:
     ]
     if not rows:
         return None
-    typical: list[Row] = []
-    for label in dict.fromkeys(row["engine"] for row in rows):
-        mine = [row for row in rows if row["engine"] == label]
-        middle = {key: median(row[key] for row in mine) for key in ("error", "pace")}
-        typical.append(mine[0] | middle | {"case": f"median of {len(mine)} cases"})
+    over_all: list[Row] = []
+    for engine in evidence.engines:
+        error, pace = evidence.error(engine), evidence.speed(engine)
+        if error is not None and pace is not None:
+            mine = next(row for row in rows if row["engine"] == labels(store)[engine])
+            over_all.append(mine | {"error": max(error, LEAST), "pace": pace, "case": "all cases", "step": ""})
     style = Marks(store, rows)
     x = logarithmic("error", ERROR, decades(row["error"] for row in rows))
     y = logarithmic("pace", SPEED, decades(row["pace"] for row in rows))
@@ -46,17 +45,17 @@ def typical_case(store: Store) -> Figure | None:
     layers = [
         chart([{"error": 0.01}]).marked("rule", strokeDash=[4, 4], color="#8a93a0").encode(x=x),
         chart(rows).marked("point", **POINT | {"size": 34, "opacity": 0.4}).encode(**channels),
-        chart(typical).marked("point", **POINT | {"size": 330}).encode(**channels),
+        chart(over_all).marked("point", **POINT | {"size": 330}).encode(**channels),
     ]
     cells = [
         [*(row[key] for key in ("engine", "setting", "case")), amount(row["error"]), amount(row["pace"]), row["step"]]
-        for row in [*typical, *rows]
+        for row in [*over_all, *rows]
     ]
-    caption = "Up is faster, left is more accurate. Large: the typical case. Small: each case. Dashed: 1 % error."
+    caption = "Up is faster, left is more accurate. Large: all cases together. Small: each case. Dashed: 1 % error."
     how = (
         "A speed is the one at 1 % error if steps on both sides of it were run, else that of the cheapest run that passes "
-        "every check of its case. The typical case is the median over cases, of error and of speed apart. Errors below a "
-        "millionth of the scale stand there."
+        "every check of its case. All together: the geometric mean of speeds over the cases in which the engines have "
+        "one, and the median of errors. Errors below a millionth of the scale stand there."
     )
     columns = ("engine", "setting", "case", "error", SPEED, "speed taken")
     return Figure("error-and-speed", "Error against speed", caption, finished(layers, height=300), columns, cells, how)

@@ -10,9 +10,11 @@ from pathlib import PurePath
 from typing import Any
 
 from plumbline.harness.case.own_titles import OWN
-from plumbline.harness.findings.agreement import Agreement, Side, agreements, errors_of, omissions
 from plumbline.harness.findings.agreement.costs import WITHIN
+from plumbline.harness.findings.agreement.found import agreements, errors_of
+from plumbline.harness.findings.agreement.omissions import omissions
 from plumbline.harness.findings.agreement.setting_causes import settings_turned
+from plumbline.harness.findings.agreement.values import Agreement, Side
 from plumbline.harness.findings.columns import Column, Row, Table, names, plain
 from plumbline.harness.store.store import Store
 from plumbline.harness.store.zoo_record import Entry, InEngine, Stage, entries

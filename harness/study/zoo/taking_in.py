@@ -12,7 +12,7 @@ from pathlib import Path
 from plumbline.harness.case.undropped import KINDS
 from plumbline.harness.intake.apart import NoAnswer, apart
 from plumbline.harness.intake.error import PlumblineError
-from plumbline.harness.intake.import_wishes import DROPPABLE, Drop, Wishes
+from plumbline.harness.intake.import_wishes import Wishes
 from plumbline.harness.intake.refusal import RobotError
 from plumbline.harness.scene import Prismatic, Revolute, Scene
 from plumbline.harness.scene.importers.companion import Companion
@@ -31,7 +31,7 @@ from plumbline.harness.study.zoo.robots import NotHere, Robot, file_of, roots_of
 
 PATIENCE = 600.0
 """Seconds that a file may take to be read, its meshes among them."""
-WORDED = frozenset((*KINDS.values(), "self_collision"))
+WORDED = frozenset((*KINDS.values(), "self_collision", "tendon"))
 """What a scene has words for and not every engine can express."""
 DURATION = 1.0
 """Seconds of a run."""
@@ -119,8 +119,7 @@ class _Reads:
         return True
 
     def _import(self, drops: Drops, *, looks: bool) -> Imported:
-        kinds: frozenset[Drop] = frozenset(kind for kind in DROPPABLE if kind in drops)
-        return imported(self._robot, self._companion, replace(self._wishes, drop=kinds, looks=looks))
+        return imported(self._robot, self._companion, replace(self._wishes, drop=drops, looks=looks))
 
 
 def _read(path: Path, robot: Robot) -> tuple[_Reads, str, Drops, frozenset[str]]:
@@ -145,7 +144,7 @@ def kinds_of(scene: Scene) -> Drops:
     kinds = {kind for field, kind in KINDS.items() if any(getattr(joint, field) for joint in joints)}
     touching = [body for body in scene.bodies if body.movable and body.collision]
     within = any(scene.collides(a, b) for a, b in combinations(touching, 2))
-    return frozenset(kinds | ({"self_collision"} if within else set()))
+    return frozenset(kinds | ({"self_collision"} if within else set()) | ({"tendon"} if scene.tendons else set()))
 
 
 def _in_engine(engine: str, scenes: dict[Drops, Scene]) -> InEngine:

@@ -75,7 +75,7 @@ def read_apart(folder: Path, robot: Robot, engines: Sequence[str]) -> tuple[Stag
         read, scenario, needed, kinds = _read(path, robot)
         verdicts = [_in_engine(engine, {drops: read[needed | drops].scene for drops in subsets(kinds)}) for engine in engines]
     except PlumblineError as error:
-        return "refused", {"reason": str(error)}
+        return "refused", {"reason": str(error).replace(f"{path.parent}/", "")}
     admitted = [each for each in verdicts if each.verdict == "can"]
     if not admitted:
         return "no engine", {"reason": "; ".join(f"{each.engine}: {each.reason}" for each in verdicts)}

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from types import MappingProxyType
 
 import pytest
 
@@ -13,7 +14,7 @@ from plumbline.harness.store.record import Record, Sample, Timing
 from plumbline.harness.study import plugins
 from plumbline.harness.study.trial import Trial
 from plumbline.harness.trial import ensemble
-from plumbline.harness.trial.accuracy import run_trial
+from plumbline.harness.trial.accuracy import judged_anew, run_trial
 from plumbline.harness.trial.bench import Bench
 from plumbline.harness.trial.ensemble import endure
 
@@ -29,11 +30,17 @@ def in_this_process(patch: pytest.MonkeyPatch, cases: Mapping[str, Case] | None 
     Args: cases: those that are not as they are found by their names.
     """
 
-    def answers(trials: Sequence[Trial], folder: Path, _workers: int) -> Iterator[Record]:
+    def answers(
+        trials: Sequence[Trial], folder: Path, _workers: int, kept: Mapping[str, Record] = MappingProxyType({})
+    ) -> Iterator[Record]:
         for trial in trials:
             answer = endure if trial.members > 1 else run_trial
             case = (cases or {}).get(trial.case) or plugins.case(trial.case)
-            yield answer(trial, case, plugins.adapter(trial.engine), folder)
+            known = kept.get(trial.trial)
+            if known is not None and (anew := judged_anew(trial, case, known, folder)) is not None:
+                yield replace(anew, simulated_as=known.simulated_as or known.trial)
+            else:
+                yield answer(trial, case, plugins.adapter(trial.engine), folder)
 
     patch.setattr(campaign, "run_isolated", answers)
 

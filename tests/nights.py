@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from plumbline.harness.adapter import Adapter
-from plumbline.harness.case import Case, Converged
+from plumbline.harness.case import Case, Converged, Problem
 from plumbline.harness.findings.summary import write_summary
 from plumbline.harness.history import night_policy
 from plumbline.harness.history.changes_since import News
@@ -26,8 +26,9 @@ from plumbline.harness.study.experiment import Experiment
 from plumbline.harness.study.study import Study
 from plumbline.harness.study.trial import Trial
 from plumbline.harness.trajectory import Floats
-from plumbline.harness.trial import accuracy, ensemble
-from plumbline.harness.trial.accuracy import Answer, run_trial
+from plumbline.harness.trial import accuracy, answer, ensemble
+from plumbline.harness.trial.accuracy import run_trial
+from plumbline.harness.trial.answer import Answer
 from plumbline.harness.trial.ensemble import endure
 from plumbline.harness.trial.truth_cache import truth_of
 from tests.in_process import clocked_by
@@ -119,15 +120,15 @@ _KNOWN: dict[str, Answer] = {}
 """What engines made of scenes, by all that decides it; arrays can't be written to."""
 
 
-def _remembered(fault: Fault) -> Callable[[Trial, Case, Any, Scene], Answer]:
+def _remembered(fault: Fault) -> Callable[[Trial, Problem, Any], Answer]:
     """As `answer_of`, which is asked once in a process for the same: nights step the same scenes again and again."""
-    plain = accuracy.answer_of
+    plain = answer.answer_of
 
-    def answer_of(trial: Trial, case: Case, adapter: Any, scene: Scene) -> Answer:
+    def answer_of(trial: Trial, problem: Problem, adapter: Any) -> Answer:
         own = (fault.scene, fault.state) if trial.engine == fault.engine else ()
-        key = repr((case.name, trial.parameters, trial.engine, trial.settings, trial.alteration, own, scene))
+        key = repr((trial.case, trial.parameters, trial.engine, trial.settings, trial.alteration, own, problem.scene))
         if key not in _KNOWN:
-            _KNOWN[key] = answer = plain(trial, case, adapter, scene)
+            _KNOWN[key] = answer = plain(trial, problem, adapter)
             for array in (getattr(answer.actual, name) for name in ("time", "p_WB", "q_WB", "v_WB", "w_WB")):
                 array.setflags(write=False)
         return _KNOWN[key]
@@ -153,7 +154,7 @@ def planted(fault: Fault = NONE) -> Iterator[list[str]]:
     trials that are computed."""
     computed: list[str] = []
 
-    def answers(trials: Sequence[Trial], folder: Path, _workers: int) -> Iterator[Record]:
+    def answers(trials: Sequence[Trial], folder: Path, _workers: int, **_known: object) -> Iterator[Record]:
         for trial in trials:
             adapter = plugins.adapter(trial.engine)
             faulty: Any = _Faulty(adapter, fault) if trial.engine == fault.engine else adapter

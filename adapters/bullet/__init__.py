@@ -17,7 +17,8 @@ Deviations:
       on a hinge or slide it bears up to 1 N m s or N s a step (240 N m at 1/240 s, 1000 at 1 ms), on a ball joint no bound
       was met (2 t at 1 m), so that a pendulum of 1 kg hangs level for a minute. `default` is what a newcomer gets but for that.
     * Springs and drives act as torques that the adapter holds over each (sub)step (`TORQUE_CONTROL`), because Bullet's own
-      position motor is a velocity constraint without a stiffness in N m/rad. Where the torques of the step's start could
+      position motor is a velocity constraint without a stiffness in N m/rad, and `PD_CONTROL`, which its manual does not name,
+      holds the force of the step's start whatever the step. Where the torques of the step's start could
       reverse a velocity within it they are those of its end, linearly implicit, with the accelerations by all else that the
       (sub)step before had (`Actuation`). Machines without a fixed base are taken to be held at the points that bear them, as
       the step before left these: with the mobility of a foot in the air their hinges would tremble (humanoid, 1/240 s: 0.06
@@ -36,7 +37,8 @@ Deviations:
       its axis (moments of 1 to 4: at 1/960 s 86 % of the energy was lost within 2 s, where links end beyond 1e56 of it).
     * A kinematic body is a body of 1e12 times the scene's largest mass, held up against gravity, whose velocity is prescribed
       anew in every (sub)step: pybullet offers no way to flag a body as kinematic.
-    * Sub-steps are steps of dt/substeps (pybullet's numSubSteps can lose one to rounding); contact forces are their mean, the
+    * Sub-steps are steps of dt/substeps; where nothing acts from outside and no contact force is asked for, many go in one
+      native call (numSubSteps), the same bit for bit. Contact forces are the mean over the sub-steps of a step, the
       points those of the last and all that bore a force before. On `tuned` no (sub)step is longer than 1/240 s, which the
       vendor says to leave as it is, or than 1/960 s where a fast top or rotor is held: a coarser dt costs and errs as that.
     * The gap at which a point of contact is let go is one for all worlds of a process (gContactBreakingThreshold): each world
@@ -47,9 +49,9 @@ Deviations:
       senses does not pay. Rays on spheres, capsules and cylinders err by millimetres at grazing incidence.
     * pybullet has no ellipsoid: it is refused, since a hull of corners rests on its faces; pictures draw one.
     * TinyRenderer draws balls, cylinders and capsules as hulls of 42 of their points, whose outlines sag by some 5 % of the
-      radius, a plane as a square of a kilometre, and nothing nearer than 5 cm or beyond 100 m. Nothing casts a shadow, and
-      what a surface mirrors or lets through is taken to be the sky.
-    * A rotation of more than pi/4 in one (sub)step is cut to pi/4 although the angular velocity stays
+      radius, a plane as a square of a kilometre, and nothing nearer than 5 cm or beyond 100 m. Its shadows are off, since one
+      falls on nearly all of a floor or on nothing; what a surface mirrors or lets through is taken to be the sky.
+    * A turn of t > pi/4 in one (sub)step becomes 2 atan(4 t/pi tan(pi/8)), 1.38 for pi/2, although the angular velocity stays
       (ANGULAR_MOTION_THRESHOLD of btTransformUtil.h).
     * Hulls in compounds travel through a temporary OBJ file in single precision. Hulls in compounds and on links keep Bullet's
       collision margin and are 1 mm thicker.
@@ -176,7 +178,6 @@ ADAPTER = BulletAdapter(
     platforms=("linux-x86_64",),
     features=~(
         Feature.ELLIPSOID
-        | Feature.MOVING_MESH
         | Feature.DISTANCE
         | Feature.SPEED_LIMIT
         | Feature.TENDON
@@ -184,7 +185,6 @@ ADAPTER = BulletAdapter(
         | Feature.STATIC_FRICTION
         | Feature.RAY_TRACING
         | Feature.SAVE
-        | Feature.NATIVE_STEPS
     ),
     tracks={
         "default": Settings(
@@ -298,12 +298,13 @@ ADAPTER = BulletAdapter(
         ),
         Emulation(
             feature=Feature.SPRINGS,
-            how="pybullet has no joint spring in N m/rad; the adapter works out a torque for each (sub)step",
+            how="pybullet's PD_CONTROL holds the force of a step's start over it and blows up where that is long; the adapter works "
+            "out a torque for each (sub)step",
         ),
         Emulation(
             feature=Feature.DRIVES,
-            how="Bullet's own position motor is a velocity constraint without a stiffness in N m/rad; the adapter works out a "
-            "torque for each (sub)step",
+            how="Bullet's position motor is a velocity constraint without a stiffness in N m/rad, its PD_CONTROL the torque of a "
+            "step's start, held over it; the adapter works out a torque for each (sub)step",
         ),
         Emulation(
             feature=Feature.ARMATURE,
@@ -345,9 +346,9 @@ ADAPTER = BulletAdapter(
         "kinematic bodies are bodies of 1e12 times the greatest mass whose velocity is prescribed anew in each (sub)step",
         "contact forces are the mean over the sub-steps; friction may be left on a point that bears nothing",
         "rays and images are taken in a second world of the same shapes at the present poses; grazing rays miss by millimetres",
-        "in images round shapes are hulls of 42 of their points; colours have 8 bits, nothing casts a shadow",
+        "in images round shapes are hulls of 42 of their points; colours have 8 bits, and TinyRenderer's shadows are off",
         "a ray that starts inside a solid meets nothing of that solid",
-        "a rotation of more than pi/4 in one (sub)step is cut to pi/4, the angular velocity stays",
+        "a turn of t > pi/4 in one (sub)step becomes 2 atan(4 t/pi tan(pi/8)), 1.38 for pi/2; the angular velocity stays",
         "hulls in compounds and on links are 1 mm thicker (collision margin); in compounds they have single precision",
         "rebounds of multibodies (joints, rolling friction) gain up to 8 % of the speed of impact (contact ERP)",
         "bodies with faces meet a box in place of a static plane, which ends a kilometre beyond all that moves at the start",

@@ -14,7 +14,7 @@ from plumbline.adapters.bullet.ground import faced
 from plumbline.adapters.bullet.multibodies import put_multibody
 from plumbline.adapters.bullet.options import resolved_settings, set_parameters
 from plumbline.adapters.bullet.plan import Plan
-from plumbline.adapters.bullet.shapes import check_shapes, unseen_shape
+from plumbline.adapters.bullet.shapes import check_pairs, check_shapes, unseen_shape
 from plumbline.adapters.bullet.simulation import BulletSimulation
 from plumbline.adapters.bullet.trees import constrained_joints, spanning_trees
 from plumbline.adapters.bullet.vendor import Port
@@ -53,6 +53,8 @@ def _check(plan: Plan) -> None:
     """Refuse shapes and joints that Bullet has nothing for. Raises: Unsupported."""
     for body in plan.scene.bodies:
         check_shapes(body)
+    if Effect.CONTACT in plan.effects:
+        check_pairs(plan.scene)
     for joint in plan.joints:
         if isinstance(joint, Distance):
             raise Unsupported(

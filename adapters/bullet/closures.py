@@ -17,7 +17,8 @@ def close_loop(plan: Plan, made: Assembly, joint: Joint) -> None:
     bullet = made.port.bullet
     if loaded(joint) or not isinstance(joint, Ball | Fixed | Revolute):
         raise Unsupported(
-            f"joint '{joint.name}'", "as the closing joint of a loop Bullet makes ball, fixed and plain revolute ones"
+            f"joint '{joint.name}'",
+            "as the closing joint of a loop Bullet holds balls, welds and plain hinges; its slide lets two bodies turn",
         )
     child, parent = (_end(plan, made, name) for name in (joint.child, joint.parent))
     if child is None:

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from plumbline.adapters.bullet.frames import plus
 from plumbline.adapters.bullet.plan import Plan
 from plumbline.adapters.bullet.shapes import Placed
-from plumbline.harness.scene import Body, Box, ConvexHull, Plane, Scene, Vector3, multiply, outer_radius, rotate
+from plumbline.harness.scene import Body, Box, ConvexHull, Plane, Scene, TriangleMesh, Vector3, multiply, outer_radius, rotate
 
 REACH = 1000.0
 """How far [m] the box that stands for a plane goes on to the sides and down beyond all that moves at the start."""
@@ -15,9 +15,10 @@ REACH = 1000.0
 def faced(body: Body) -> bool:
     """Has the body faces? Bullet finds them on a box at up to four points at once, and on a plane at one more point a step.
 
-    What is round touches a plane at points of a closed form, and a box at iterated ones.
+    What is round touches a plane at points of a closed form, and a box at iterated ones; a mesh of triangles falls through a
+    plane.
     """
-    return any(isinstance(placed.shape, Box | ConvexHull) for placed in body.collision)
+    return any(isinstance(placed.shape, Box | ConvexHull | TriangleMesh) for placed in body.collision)
 
 
 def static_parts(plan: Plan, place: int) -> Iterator[tuple[list[Placed], bool | None]]:

@@ -1,5 +1,6 @@
 """Shapes of collision and of pictures, each made in one call of the binding."""
 
+import itertools
 import tempfile
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
@@ -20,6 +21,7 @@ from plumbline.harness.scene import (
     Ellipsoid,
     Plane,
     Quaternion,
+    Scene,
     Shape,
     Sphere,
     TriangleMesh,
@@ -215,11 +217,22 @@ def check_shapes(body: Body) -> None:
     for placed in body.collision:
         if isinstance(placed.shape, Ellipsoid):
             raise Unsupported(*NO_ELLIPSOID)
-        if isinstance(placed.shape, TriangleMesh) and body.motion != "static":
-            raise Unsupported(f"triangle mesh of body '{body.name}'", "Bullet collides moving bodies as convex shapes only")
         vertices = getattr(placed.shape, "vertices", ())
         if len(vertices) > 131_072 or len(getattr(placed.shape, "faces", ())) * 3 > 524_288:
-            raise Unsupported(f"mesh of body '{body.name}'", "pybullet cuts a mesh at 131072 vertices or 524288 indices")
+            raise Unsupported(
+                f"mesh of body '{body.name}'", "pybullet takes 131072 vertices and 524288 indices of a mesh from memory"
+            )
+
+
+def check_pairs(scene: Scene) -> None:
+    """Refuse two meshes of triangles that may meet. Raises: Unsupported."""
+    meshes = [body for body in scene.bodies if any(isinstance(placed.shape, TriangleMesh) for placed in body.collision)]
+    for one, other in itertools.combinations(meshes, 2):
+        if (one.motion != "static" or other.motion != "static") and scene.collides(one, other):
+            raise Unsupported(
+                f"meshes of bodies '{one.name}' and '{other.name}'",
+                "Bullet lets two meshes of triangles pass through each other",
+            )
 
 
 def collision_shape(port: Port, placed: Sequence[Placed]) -> int:

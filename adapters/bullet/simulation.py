@@ -8,6 +8,8 @@ import numpy as np
 
 from plumbline.adapters.bullet.bodies_made import Assembly
 from plumbline.adapters.bullet.drives import Actuation
+from plumbline.adapters.bullet.native_steps import advance
+from plumbline.adapters.bullet.options import substep
 from plumbline.adapters.bullet.reactions import ReactionReader
 from plumbline.adapters.bullet.sensing import Twin
 from plumbline.adapters.bullet.vendor import CONTACT_BREAKING, LIFTED, break_contacts_at, breaks
@@ -44,6 +46,7 @@ class BulletSimulation:
         }
         self._pushed: Pushes = ()
         self._reactions = ReactionReader(scene, made, settings.dt / self._substeps)
+        self._h = substep(settings)
         self._twin: Twin | None = None
         self._open = True
         self._watched = False
@@ -61,21 +64,23 @@ class BulletSimulation:
 
     def step(self, count: int = 1) -> None:
         """Advance by count * dt. Raises: Diverged."""
-        advance, client = self._port.bullet.stepSimulation, self._port.client
-        made = self._made
+        p, client, made, steps = self._port.bullet, self._port.client, self._made, count * self._substeps
         acts = bool(made.actuators or made.prescribed or made.springs or self._pushed)
         if breaks["at"] != self._breaks:
             break_contacts_at(self._port, self._breaks)
         self._touched = []
         self._reactions.stepped(count)
-        for left in range(count * self._substeps, 0, -1):
-            if acts:
-                self._act()
-            advance(physicsClientId=client)
-            if made.blows is not None:
-                self._look_for_blows(made.blows)
-            if self._watched and 1 < left <= self._substeps:
-                self._touched.append(self._points())
+        if acts or made.blows is not None or (self._watched and self._substeps > 1):
+            for left in range(steps, 0, -1):
+                if acts:
+                    self._act()
+                p.stepSimulation(physicsClientId=client)
+                if made.blows is not None:
+                    self._look_for_blows(made.blows)
+                if self._watched and 1 < left <= self._substeps:
+                    self._touched.append(self._points())
+        else:
+            advance(self._port, steps, self._h)
         self._check()
 
     def _look_for_blows(self, blows: Blows) -> None:
@@ -98,6 +103,7 @@ class BulletSimulation:
                 "the rates that they lead to are foreseen from the step before, which has to be as long",
             )
         self._port.call("setTimeStep", h)
+        self._h = h
         for group in made.actuators.values():
             group.h = h
         for belt in made.prescribed:
@@ -313,11 +319,11 @@ class BulletSimulation:
 
     def save(self) -> object:
         """Raises: Unsupported."""
-        raise Unsupported("save", "a state restored by Bullet's restoreState moves on differently from the second step on")
+        raise Unsupported("save", "Bullet's restoreState goes on otherwise in maximal coordinates")
 
     def restore(self, saved: object) -> None:  # noqa: ARG002 -- the protocol's name
         """Raises: Unsupported."""
-        raise Unsupported("restore", "a state restored by Bullet's restoreState moves on differently from the second step on")
+        raise Unsupported("restore", "Bullet's restoreState goes on otherwise in maximal coordinates")
 
     def close(self) -> None:
         """Free the world and its twin; a second time does nothing."""

@@ -63,7 +63,7 @@ def _set_coordinate(built: Built, made: Any, node: Any, joint: Revolute | Prisma
     if joint.coupling is not None:
         raise Unsupported(
             f"joint '{joint.name}': coupling to '{joint.coupling.joint}'",
-            "dartpy 6.20 has mimic joints, and binds no way to say whom they follow",
+            "DART's mimics follow a step late, and take nothing of their leader or blow up towards a slower one",
         )
     built.coordinates[joint.name] = made
     made.setPosition(0, joint.position)

@@ -39,10 +39,16 @@ def _masks(scene: Scene, materials: Sequence[str]) -> dict[str, tuple[int, int]]
     """contype and conaffinity: a bit for each material that stands apart from some other, one bit for all others."""
     apart = [frozenset(pair) for pair in scene.apart]
     lonely = [m for m in materials if any(m in pair for pair in apart)]
-    if len(lonely) > 30:
-        raise Unsupported(f"{len(lonely)} materials apart from others", "MuJoCo's collision masks have 31 bits")
+    if len(lonely) > 31:
+        raise Unsupported(f"{len(lonely)} materials apart from others", "MuJoCo's collision masks have 32 bits")
     bit = {m: 2 << lonely.index(m) if m in lonely else 1 for m in materials}
-    return {m: (bit[m], sum({bit[o] for o in materials if frozenset((m, o)) not in apart})) for m in materials}
+    met = {m: sum({bit[o] for o in materials if frozenset((m, o)) not in apart}) for m in materials}
+    return {m: (_signed(bit[m]), _signed(met[m])) for m in materials}
+
+
+def _signed(mask: int) -> int:
+    """32 bits as the integer of 32 bits that has them, the last of which is its sign."""
+    return mask - (mask >> 31 << 32)
 
 
 def _exclude(plan: Plan, draft: Draft) -> None:

@@ -9,6 +9,7 @@ from plumbline.adapters.mujoco.frames import upright
 from plumbline.adapters.mujoco.plan import Plan
 from plumbline.adapters.mujoco.uncompiled_model import Draft
 from plumbline.harness.adapter import Unsupported
+from plumbline.harness.adapter.convex_meshes import is_convex
 from plumbline.harness.adapter.rotations import conjugate, matrix
 from plumbline.harness.scene import (
     Box,
@@ -24,7 +25,6 @@ from plumbline.harness.scene import (
     Vector3,
     multiply,
 )
-from plumbline.harness.trajectory import Floats, Integers
 
 COLLISION_GROUP, BOTH_GROUP, VISUAL_GROUP = 1, 0, 2
 """Geom groups: rays see shapes that collide, images see shapes that are drawn."""
@@ -59,9 +59,10 @@ def add_geom(plan: Plan, draft: Draft, k: int, placed: PlacedShape, name: str, d
         case ConvexHull(vertices=vertices):
             return node.add_geom(type=kinds.mjGEOM_MESH, meshname=_add_mesh(draft, vertices, None), **pose)
         case TriangleMesh(vertices=vertices, faces=faces):
-            if Effect.CONTACT in plan.effects and not drawn and not _convex(np.array(vertices), np.array(faces)):
+            if Effect.CONTACT in plan.effects and not drawn and not is_convex(np.array(vertices), np.array(faces)):
                 raise Unsupported(
-                    f"body '{body.name}': a mesh that is not convex and closed", "MuJoCo collides a mesh as its hull"
+                    f"body '{body.name}': a mesh that is not convex and closed",
+                    "MuJoCo collides a mesh as its hull, or as a distance field that is a tenth of a millimetre off",
                 )
             return node.add_geom(type=kinds.mjGEOM_MESH, meshname=_add_mesh(draft, vertices, faces), **pose)
         case _ as other:
@@ -79,17 +80,3 @@ def _add_mesh(draft: Draft, vertices: Sequence[Vector3], faces: Sequence[tuple[i
         # Exact volume would refuse open meshes, which rays may see; the inertia is given by the scene in any case.
         mesh.inertia = draft.mj.mjtMeshInertia.mjMESH_INERTIA_SHELL
     return name
-
-
-def _convex(vertices: Floats, faces: Integers) -> bool:
-    """Is the mesh closed, with no vertex above any face by more than rounding of single precision?"""
-    edges = {(int(f[i]), int(f[(i + 1) % 3])) for f in faces for i in range(3)}
-    if any((b, a) not in edges for a, b in edges):
-        return False
-    size = float(np.ptp(vertices, axis=0).max())
-    for face in faces:
-        a, b, c = vertices[face]
-        normal = np.cross(b - a, c - a)
-        if float(((vertices - a) @ normal).max()) > 1e-6 * size * float(np.linalg.norm(normal)):
-            return False
-    return True

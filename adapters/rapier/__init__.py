@@ -19,12 +19,13 @@ Deviations:
     * Speeds beyond 1e18 are refused by the first step.
     * Friction has one coefficient. 'simplified', the default, is a cone; 'coulomb' is a box that errs by 15 % along the axes of
       a box of 0.2 m and by 8 % between them. 'simplified' brakes the spin of a face too; that of a ball, and rolling, never.
-    * Only the normal part of a contact's force can be read: forces of contacts are not claimed, and nothing is judged by
-      them. Points are of the start of the step, means over its sub-steps.
+    * Of a contact's force 'simplified' tells the normal part alone, 'coulomb' two numbers along directions that it does not tell:
+      forces of contacts are not claimed, and nothing is judged by them. Points are of the start of the step, means over its sub-steps.
     * Joints between free bodies ('joints': 'impulse', the default) are constraints of 1e6 Hz: a pendulum of 60 degrees loses
       1.8 % of m g l in 10 s at 4 sub-steps of 1/960 s. A chain of ten opens by 1.6 mm. 'multibody', on 'tuned', has trees of
       hinges, slides and fixed joints in reduced coordinates (0.2 %). Balls, what is damped or prescribed, what closes loops,
-      and velocities that joints do not allow stay with constraints: one that closes a loop stops multibodies dead.
+      and velocities that joints do not allow stay with constraints: one that closes a loop stops multibodies dead. Rotors are
+      of reduced coordinates alone, which trees with one take on 'default' too.
     * An angle of a joint that is a constraint is counted modulo a turn: limits further apart, and springs and drives half a
       turn from the start, are refused.
     * A joint has one motor: springs, drives and dry friction beside each other are motors of joints that hold nothing. Their
@@ -105,6 +106,7 @@ ADAPTER = RapierAdapter(
         | Feature.LIMITS
         | Feature.SPRINGS
         | Feature.DRIVES
+        | Feature.ARMATURE
         | Feature.FRICTION_LOSS
         | Feature.FEEDFORWARD
         | Feature.PAIR_FRICTION
@@ -170,7 +172,8 @@ ADAPTER = RapierAdapter(
     staggered=("tuned",),
     deviations=(
         "single precision: a free top errs by 2e-7 of its energy in each sub-step",
-        "of the force of a contact only the normal part can be read, so none is judged",
+        "of the force of a contact 'simplified' friction tells the normal part alone, 'coulomb' two numbers along directions "
+        "that it does not tell, so none is judged",
         "contacts are springs: ten boxes sag by 25 mm on 'default', by less than 0.1 mm on 'tuned' at 1/240 s",
     ),
     emulated=(

@@ -10,7 +10,7 @@ from plumbline.adapters.rapier.simulation import Made, RapierSimulation
 from plumbline.adapters.rapier.surfaces import Law, PairLaws, groups_of, laws_of
 from plumbline.adapters.rapier.trees import put_trees
 from plumbline.harness.adapter import Notice, Settings
-from plumbline.harness.adapter.carried_laws import refuse_tendons
+from plumbline.harness.adapter.carried_laws import carried, refuse_tendons
 from plumbline.harness.adapter.reduced_trees import trees_of
 from plumbline.harness.scene import WORLD, Effect, Scene
 
@@ -30,7 +30,9 @@ def build(rapier: Any, scene: Scene, settings: Settings) -> RapierSimulation:
         check_body(body)
         contents.handles.append(world.add_body(builder_of(rapier, body, effects, used), []))
     if Effect.JOINTS in effects:
-        _join(contents, scene, used.options["joints"] == "multibody")
+        # Impulse joints have no rotors: where one is told, trees are in reduced coordinates on any track.
+        rotors = any("armature" in carried(joint) for joint in scene.joints)
+        _join(contents, scene, rotors or used.options["joints"] == "multibody")
     _put_shapes(contents, scene, effects, used)
     if used.options["sleeping"] and any(body.movable for body in scene.bodies):
         contents.notices.append(Notice("bodies slower than 0.05 m/s and 0.5 rad/s for half a second are put to sleep"))

@@ -72,7 +72,8 @@ class Joiner:
         held = framed(_locked(rapier, joint))
         if not isinstance(joint, Revolute | Prismatic):
             return insert(parent, child, held.build())
-        refuse_armature(joint, "an impulse joint of Rapier has no inertia of its own")
+        if wraps:
+            refuse_armature(joint, "an impulse joint of Rapier has no inertia of its own")
         refuse_speed_limit(joint, "a joint of Rapier has no bound of its rate")
         if joint.coupling is not None:
             raise Unsupported(f"joint '{joint.name}': coupling to '{joint.coupling.joint}'", "Rapier ties no coordinates")

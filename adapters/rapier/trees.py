@@ -34,6 +34,7 @@ def put_trees(world: Any, scene: Scene, trees: Sequence[Tree], root: Callable[[s
     rate = dict(zip((joint.name for joint in scene.joints), joint_states(scene, start).rate.tolist(), strict=True))
     for tree, end in inserted:
         multibody = world.multibody_joints.multibody(end)
+        rotors = [0.0] * multibody.ndofs
         rates, links = [0.0] * multibody.ndofs, {link.link_id: link for link in multibody}
         if links[0].ndofs == 6:
             body_index = scene.index(tree.root)
@@ -41,5 +42,7 @@ def put_trees(world: Any, scene: Scene, trees: Sequence[Tree], root: Callable[[s
         for number, branch in enumerate(tree.branches, 1):
             if links[number].ndofs == 1:
                 rates[links[number].assembly_id] = rate[branch.edge.name]
+                rotors[links[number].assembly_id] = getattr(branch.edge, "armature", None) or 0.0
         multibody.set_damping([0.0] * multibody.ndofs)
+        multibody.set_armature(rotors)
         multibody.set_generalized_velocity(rates)

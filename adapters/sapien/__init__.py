@@ -18,6 +18,8 @@ Deviations:
       them. Points are of the last sub-step.
     * A pair of materials has the mean of two numbers; laws that no numbers give are refused, and so is static friction above
       kinetic: between .4 and .6 PhysX holds a box at a slope of .45 and lets it slide at .5.
+    * Torsional friction is that of a patch of contact: its radius, the larger of two, times mu N; under TGS, which 'tuned' takes
+      there. PGS knows none.
     * A cylinder is a prism of 32 sides whose edges lie on it: faces lie 0.48 % of the radius within, and rays meet those.
     * Nothing rebounds below the bounce threshold, 2 m/s by default, 1 mm/s on 'tuned'.
     * A ray that starts within a solid meets it where it starts. The point of a contact lies on one of the two surfaces, by the
@@ -108,6 +110,7 @@ ADAPTER = SapienAdapter(
         | Feature.ARMATURE
         | Feature.SPEED_LIMIT
         | Feature.FEEDFORWARD
+        | Feature.TORSIONAL_FRICTION
         | Feature.RESTITUTION
         | Feature.LINEAR_DAMPING
         | Feature.ANGULAR_DAMPING

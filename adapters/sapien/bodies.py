@@ -40,13 +40,14 @@ MOST_CORNERS = 255
 
 @dataclass(frozen=True, slots=True)
 class Bodies:
-    """Makes the components of bodies. Terms: materials: by kind. groups: by material, type and affinity."""
+    """Makes the components of bodies. Terms: materials, patches: by kind. groups: by material, type and affinity."""
 
     sapien: Any
     effects: Effect
     used: Settings
     materials: Mapping[Kind, Any]
     groups: Mapping[str, tuple[int, int]]
+    patches: Mapping[Kind, float]
 
     def entity(self, body: Body, component: Any, number: int, ignored: tuple[int, int] = (0, 0)) -> Any:
         """An entity of this component with the body's shapes, named by its number.
@@ -56,7 +57,9 @@ class Bodies:
         entity = self.sapien.Entity()
         entity.name = str(number)
         if Effect.CONTACT in self.effects:
-            for shape in self._shapes(body, self.materials.get((body.material, body.movable))):
+            kind = (body.material, body.movable)
+            for shape in self._shapes(body, self.materials.get(kind)):
+                shape.patch_radius = shape.min_patch_radius = self.patches.get(kind, 0.0)
                 shape.set_collision_groups([*self.groups[body.material], *ignored])
                 component.attach(shape)
         entity.add_component(component)

@@ -10,7 +10,7 @@ from plumbline.adapters.sapien.bodies import Bodies, check_body
 from plumbline.adapters.sapien.joints import Articulated, constrain, holder
 from plumbline.adapters.sapien.options import resolved_settings
 from plumbline.adapters.sapien.simulation import SapienSimulation, World
-from plumbline.adapters.sapien.surfaces import groups_of, materials_of
+from plumbline.adapters.sapien.surfaces import groups_of, materials_of, patches_of
 from plumbline.adapters.sapien.vendor import new_world
 from plumbline.harness.adapter import Notice, Settings, Unsupported
 from plumbline.harness.adapter.carried_laws import refuse_tendons
@@ -34,13 +34,16 @@ def build(sapien: Any, scene: Scene, settings: Settings) -> SapienSimulation:
         raise Unsupported(
             f"joint '{towed.name}': a body that is led", "PGS takes its turning for nought at joints; TGS does not"
         )
+    patches = patches_of(scene)
+    if any(patches.values()) and used.solver == "pgs":
+        raise Unsupported("torsional friction", "patches of contact brake a spin under TGS, and under PGS they do not")
     for body in scene.bodies:
         check_body(body)
     gravity = scene.gravity if Effect.GRAVITY in effects else (0.0, 0.0, 0.0)
     world = World(sapien, *new_world(sapien, gravity, used))
     if Effect.JOINTS in effects:
         world.springs = DistanceSprings.of(scene, scene.joints, used.substep)
-    bodies = Bodies(sapien, effects, used, materials_of(sapien, scene), groups_of(scene))
+    bodies = Bodies(sapien, effects, used, materials_of(sapien, scene), groups_of(scene), patches)
     _Builder(world, scene, bodies, trees_of(scene, joints)).build(joints, used.options["capped"])
     if Effect.CONTACT not in effects:
         world.shape = lambda: bodies.shape_for_rays(scene, world.components)

@@ -145,7 +145,10 @@ class Articulated:
 def check_laws(joint: Revolute | Prismatic) -> None:
     """Raises: Unsupported, for laws that no joint of SAPIEN has."""
     if joint.coupling is not None:
-        raise Unsupported(f"joint '{joint.name}': coupling to '{joint.coupling.joint}'", "SAPIEN ties joints by springs alone")
+        raise Unsupported(
+            f"joint '{joint.name}': coupling to '{joint.coupling.joint}'",
+            "SAPIEN ties two hinges by a gear and the joints of an articulation by a spring",
+        )
     if joint.friction_loss:
         raise Unsupported(f"joint '{joint.name}': friction_loss", "the friction of PhysX's joints grows with what they bear")
 

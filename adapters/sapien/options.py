@@ -25,7 +25,8 @@ KNOWN: Mapping[str, Sequence[Any] | Between] = {
 """bounce_threshold [m/s]: the approach below which nothing rebounds. contact_offset [m]: the gap at which contacts begin.
 capped: turns at 100 rad/s, rates of joints at 100, as the vendor has them. damping: angular, 0.05 a second by default, of
 bodies of which the scene says none. determinism: does a body's motion not depend on what else is in the scene. by_scene:
-where the solver is left open, PGS but for scenes with restitution and for joints that hold something on a body that is led."""
+where the solver is left open, PGS but for scenes with restitution or torsional friction and for joints that hold something on a
+body that is led."""
 _VENDOR: Mapping[str, Any] = {
     "velocity_iterations": 1,
     "bounce_threshold": 2.0,
@@ -45,7 +46,8 @@ def resolved_settings(settings: Settings, effects: Effect, towed: bool) -> Setti
     """
     chosen = checked_options("SAPIEN", settings, KNOWN, INTEGRATOR, SOLVERS)
     options = {name: _VENDOR[name] if value is None else value for name, value in chosen.items()}
-    quiet = options["by_scene"] and Effect.RESTITUTION not in effects and not towed
+    moved = Effect.RESTITUTION | Effect.TORSIONAL_FRICTION
+    quiet = options["by_scene"] and not moved & effects and not towed
     return replace(
         settings,
         substeps=settings.substeps or 1,

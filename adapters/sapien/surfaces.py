@@ -22,8 +22,6 @@ def materials_of(sapien: Any, scene: Scene) -> dict[Kind, Any]:
         where = f"surface {law.between[0]}/{law.between[1]}"
         if Effect.ROLLING_FRICTION in effects and law.rolling_friction > 0:
             raise Unsupported(where, "PhysX has no rolling friction")
-        if Effect.TORSIONAL_FRICTION in effects and law.torsional_friction > 0:
-            raise Unsupported(where, "SAPIEN offers no torsional friction between rigid shapes")
         if Effect.FRICTION in effects and law.static_friction > law.kinetic_friction:
             raise Unsupported(where, "PhysX holds a box at a slope of .45 between .4 and .6 and lets it slide at .5")
     rubs, bounces = Effect.FRICTION in effects, Effect.RESTITUTION in effects
@@ -31,6 +29,27 @@ def materials_of(sapien: Any, scene: Scene) -> dict[Kind, Any]:
     restitution = _halves(pairs, "restitution") if bounces else {}
     kinds = {(body.material, body.movable) for body in scene.bodies if body.collision}
     return {k: sapien.physx.PhysxMaterial(*(law.get(k, 0.0) for law in (friction, friction, restitution))) for k in kinds}
+
+
+def patches_of(scene: Scene) -> dict[Kind, float]:
+    """The radius [m] of the patch of each kind of body: of two the larger times mu N is what brakes a spin. Raises: Unsupported."""
+    if not Effect.CONTACT | Effect.TORSIONAL_FRICTION in scene.effects:
+        return {}
+    levers = {
+        pair: law.torsional_friction / law.kinetic_friction if law.torsional_friction > 0 else 0.0
+        for pair, law in touching_kinds(scene).items()
+        if law.kinetic_friction > 0 or law.torsional_friction == 0
+    }
+    least: dict[Kind, float] = {}
+    for pair, lever in levers.items():
+        least |= {kind: min(lever, least.get(kind, lever)) for kind in pair}
+    for pair, law in touching_kinds(scene).items():
+        if pair not in levers or max(least[kind] for kind in pair) != levers[pair]:
+            raise Unsupported(
+                f"torsional friction of {law.between[0]}/{law.between[1]}",
+                "PhysX takes the larger of two radii, one for each material, times mu N; none give every pair its value",
+            )
+    return least
 
 
 def _halves(pairs: Mapping[tuple[Kind, Kind], Surface], name: str) -> dict[Kind, float]:

@@ -12,11 +12,11 @@ from plumbline.harness.case.case import (
     NotNegative,
     Parameters,
     Positive,
-    Rays,
     Share,
     Step,
     Unit,
 )
+from plumbline.harness.case.problem import Problem, Rays
 
 __all__ = [
     "Axis",
@@ -30,6 +30,7 @@ __all__ = [
     "NotNegative",
     "Parameters",
     "Positive",
+    "Problem",
     "Rays",
     "Share",
     "Step",

@@ -11,6 +11,7 @@ from annotated_types import Ge, Gt, Interval
 from pydantic import TypeAdapter, ValidationError
 
 from plumbline.harness.case.forces import Control
+from plumbline.harness.case.problem import Problem, Rays
 from plumbline.harness.case.symmetries import Retelling
 from plumbline.harness.metric import Metric
 from plumbline.harness.metrics.errors import divergence
@@ -178,15 +179,6 @@ class Axis:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Rays:
-    """Rays of one cast: origins (r, 3) m and unit directions (r, 3) in W, followed up to max_range [m]."""
-
-    origins: Floats
-    directions: Floats
-    max_range: float
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class Case:
     """One question put to every engine.
 
@@ -289,6 +281,22 @@ class Case:
     def put(self, parameters: Mapping[str, Any]) -> Self:
         """The case with these parameters as its own, and the times that follow from them. Raises: TypeError."""
         return replace(self, parameters=self.at(**parameters))
+
+    def problem(self, scene: Scene | None = None) -> Problem:
+        """What reaches an engine at the case's own parameters. Args: scene: in place of the case's."""
+        own = self.parameters
+        return Problem(
+            scene=self.scene(own) if scene is None else scene,
+            duration=self.duration,
+            sample_interval=self.sample_interval,
+            contacts=self.with_contacts,
+            impulses=self.with_contacts and any(metric.impulses for metric in self.metrics),
+            control=None if self.control is None else self.control(own),
+            rays=None if self.rays is None else self.rays(own),
+            retellings=None if self.retellings is None else self.retellings(own),
+            worlds=self.count_of_worlds(own) if self.worlds else 0,
+            readings_due=self.truth == "agreed limit",
+        )
 
     @property
     def family(self) -> str:

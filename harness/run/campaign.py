@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from datetime import UTC, datetime
 from functools import partial
-from itertools import groupby
+from itertools import chain, groupby
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -24,13 +24,13 @@ from plumbline.harness.run.isolated import run_isolated
 from plumbline.harness.run.known_results import UNGUIDED, Guide
 from plumbline.harness.run.preloads import preloads
 from plumbline.harness.run.progress import Progress
-from plumbline.harness.run.resume import another_study, clear_drafts, clocked_elsewhere, merged, review
+from plumbline.harness.run.resume import another_study, clear_drafts, clocked_elsewhere, kept_answers, merged, review
 from plumbline.harness.run.timing_protocol import clock_group
 from plumbline.harness.search import dominance, first_break, front, needless_effects, refined_ladder
 from plumbline.harness.store import disk
 from plumbline.harness.store.journal import FolderTaken, Journal, StoreError, refuse_links
 from plumbline.harness.store.machine_fingerprint import circumstances, fingerprint, machine_digest
-from plumbline.harness.store.record import Timing
+from plumbline.harness.store.record import Record, Timing
 from plumbline.harness.store.seal import sealed_json, sealed_toml
 from plumbline.harness.store.store import Store, read_plain, write_json
 from plumbline.harness.store.stored_tables import in_order, write_tables
@@ -97,19 +97,26 @@ def _accuracy(run: _Run, what: str, trials: Sequence[Trial]) -> None:
     if not waiting:
         return
     by_name = {trial.trial: trial for trial in waiting}
+    kept = kept_answers(journal, waiting) if cluster is None else {}
     alone = [trial for trial in waiting if trial.alteration.name == ALONE]
-    beside = [trial for trial in waiting if trial.alteration.name != ALONE]
+    beside = [trial for trial in waiting if trial.alteration.name != ALONE and trial.trial not in kept]
     lost: list[str] = []
+
+    def answers(group: Sequence[Trial], side: int, at_once: int) -> Iterator[Record]:
+        return run_isolated(group, run.folder, side) if cluster is None else cluster.answers(group, run.folder, at_once)
+
     with Progress(what, len(waiting)) as progress:
-        for group, side, at_once in ((beside, run.workers, 0), (alone, 1, 1)):
-            answers = run_isolated(group, run.folder, side) if cluster is None else cluster.answers(group, run.folder, at_once)
-            for record in answers:
-                if record.status == "interrupted":
-                    lost.append(record.reason)
-                else:
-                    kept = replace(record, answered_on=record.answered_on or machine)
-                    journal.append(guide.answered(by_name[record.trial], kept))
-                progress.advance(f"{called(record.case)} {record.engine}/{record.track} {record.status}")
+        anew = run_isolated([by_name[name] for name in kept], run.folder, run.workers, kept=kept) if kept else ()
+        for record in chain(anew, answers(beside, run.workers, 0), answers(alone, 1, 1)):
+            if record.status == "interrupted":
+                lost.append(record.reason)
+            else:
+                known = kept[record.trial] if record.simulated_as else None
+                where = record.answered_on or machine if known is None else known.answered_on
+                journal.append(guide.answered(by_name[record.trial], replace(record, answered_on=where)))
+                if known is not None and known.timing is not None and record.status in _TIMED:
+                    journal.append(replace(known.timing, trial=record.trial))
+            progress.advance(f"{called(record.case)} {record.engine}/{record.track} {record.status}")
     if lost:
         raise StoreError(f"{len(lost)} of {len(waiting)} answers could not be kept, first: {lost[0]}")
 

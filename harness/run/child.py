@@ -22,7 +22,7 @@ from plumbline.harness.store.notices import StoredNotice
 from plumbline.harness.store.record import Record, Status
 from plumbline.harness.study import plugins
 from plumbline.harness.study.trial import Trial
-from plumbline.harness.trial.accuracy import outcome, run_trial
+from plumbline.harness.trial.accuracy import judged_anew, outcome, run_trial
 from plumbline.harness.trial.bench import Bench, rough_cost_beside
 from plumbline.harness.trial.beside_tuned import SHORT, ratio_to_tuned
 from plumbline.harness.trial.ensemble import endure
@@ -66,18 +66,25 @@ def end_started() -> None:
 
 def _load(trial: Trial, case: Case, adapter: Adapter) -> None:
     """Load an engine, and let it compile itself. What is wrong with it, the scene or the settings is for `build` to say."""
-    for module in adapter.loads:
-        with suppress(Exception):
-            import_module(module)
+    _import(adapter)
     if adapter.compile_allowance > 0:
         with suppress(Unsupported, Unavailable, SettingsError):
             adapter.compile(trial.scene(case), trial.settings)
 
 
-def answers(trial: Trial, folder: Path, answered: Callable[[Record], object] | None = None) -> Iterator[Record | None]:
+def _import(adapter: Adapter) -> None:
+    for module in adapter.loads:
+        with suppress(Exception):
+            import_module(module)
+
+
+def answers(
+    trial: Trial, folder: Path, answered: Callable[[Record], object] | None = None, kept: Record | None = None
+) -> Iterator[Record | None]:
     """The accuracy run of a trial, whatever its Python code raises; the process may still die under it.
 
-    Args: answered: is told what is known before the answer is judged, of a trial that is no ensemble.
+    Args: answered: is told what is known before the answer is judged, of a trial that is no ensemble. kept: what came of
+    a trial of the same motion, whose answer is judged and not simulated again, where its file is as it was written.
 
     None comes first, once the engine is ready for it. What a sweep goes on from comes once more, with its rough cost: if the
     clock fails, the answer is safe. Of a run of a ladder the rough cost is what the run itself took, all told; where knobs are
@@ -86,6 +93,10 @@ def answers(trial: Trial, folder: Path, answered: Callable[[Record], object] | N
     allowed = _limits()
     try:
         case, adapter = plugins.case(trial.case), plugins.adapter(trial.engine)
+        anew = None if kept is None else _judged_anew(trial, case, adapter, kept, folder, answered)
+        if anew is not None:
+            yield anew
+            return
         _load(trial, case, adapter)
         yield None
         begun = time.process_time()
@@ -111,6 +122,15 @@ def answers(trial: Trial, folder: Path, answered: Callable[[Record], object] | N
         yield record
     if is_surveyed(trial, record):
         yield replace(record, idle=idle_turns(trial, case, adapter))
+
+
+def _judged_anew(
+    trial: Trial, case: Case, adapter: Adapter, kept: Record, folder: Path, answered: Callable[[Record], object] | None
+) -> Record | None:
+    """As `judged_anew`, with the modules of the engine loaded: they may set the mode of floating-point arithmetic."""
+    _import(adapter)
+    record = judged_anew(trial, case, kept, folder, answered)
+    return None if record is None else replace(record, simulated_as=kept.simulated_as or kept.trial)
 
 
 def _limits() -> dict[str, tuple[int, int]]:
@@ -143,7 +163,9 @@ def _with_ratio(record: Record, trial: Trial, case: Case, adapter: Adapter) -> R
     try:
         return replace(record, rough_ratio=ratio_to_tuned(trial, case, adapter))
     except Exception as error:
-        return replace(record, warnings=(*record.warnings, StoredNotice(f"cost beside tuned: none: {_in_words(error)}")))
+        return replace(
+            record, warnings=(*record.warnings, StoredNotice(f"cost beside tuned: none: {_in_words(error)}", by="rough clock"))
+        )
 
 
 def _with_rough_cost(record: Record, trial: Trial, case: Case, adapter: Adapter) -> Record:
@@ -157,4 +179,6 @@ def _with_rough_cost(record: Record, trial: Trial, case: Case, adapter: Adapter)
             return replace(record, rough_cost=cost, rough_ratio=ratio)
         except Exception as error:
             failures.append(f"{track}: {type(error).__name__}: {error}")
-    return replace(record, warnings=(*record.warnings, StoredNotice(f"rough cost: none, beside {'; '.join(failures)}")))
+    return replace(
+        record, warnings=(*record.warnings, StoredNotice(f"rough cost: none, beside {'; '.join(failures)}", by="rough clock"))
+    )

@@ -3,11 +3,12 @@
 import signal
 import time
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from multiprocessing.connection import Connection, wait
 from pathlib import Path
+from types import MappingProxyType
 
 from plumbline.harness.case.alteration import ALONE
 from plumbline.harness.intake.bounded import named_signal
@@ -74,7 +75,8 @@ class _Child:
         watch: of its memory. inbox: its record comes here, the last word counts. deadline: of what it does now, loading its
         engine or answering. kills: of the system for want of memory, before it began. begun: when it was started, on the
         monotonic clock [s]. said: what has come so far. broken: what it said that no child may say; it is heard no more.
-        answered: what is known of an answer that is being judged, when memory and time are those of metrics and truths.
+        answered: what is known of an answer that is being judged, when memory and time are those of metrics and truths. kept:
+        the trial whose answer it may judge in place of simulating, '' for none.
         ended: has it said its last word, or died? late: why it is; nothing where it is not. ready: has it loaded its engine?
     """
 
@@ -86,6 +88,7 @@ class _Child:
     deadline: Deadline
     kills: int
     begun: float
+    kept: str = ""
     said: Record | None = None
     answered: Record | None = None
     broken: str = ""
@@ -104,7 +107,7 @@ class _Child:
                         self.deadline = Deadline(self.process.pid, self.trial.deadline)
                     self.answered = read_record(self.trial, value)
                 elif kind == "record":
-                    self.said = read_record(self.trial, value)
+                    self.said = read_record(self.trial, value, self.kept)
                 else:
                     raise BrokenMessage(f"a '{readable(kind, 80)}', expected a record")
             self.ended = self.inbox.ended
@@ -130,7 +133,9 @@ class _Child:
                 return self._unjudged(self.answered, end)
             if self.said is None or code == 0:
                 return self.said or end
-            return replace(self.said, warnings=(*self.said.warnings, StoredNotice(f"rough cost: none: {end.reason}")))
+            return replace(
+                self.said, warnings=(*self.said.warnings, StoredNotice(f"rough cost: none: {end.reason}", by="rough clock"))
+            )
         finally:
             self.stop()
 
@@ -158,21 +163,21 @@ class _Child:
         self.inbox.pipe.close()
 
 
-def _answer(pipe: Connection, trial: Trial, folder: Path, log: Path) -> None:
+def _answer(pipe: Connection, trial: Trial, folder: Path, log: Path, kept: Record | None) -> None:
     confine(log)
-    tell(pipe, trial, folder)
+    tell(pipe, trial, folder, kept)
     end_started()
     pipe.close()
 
 
-def tell(pipe: Connection, trial: Trial, folder: Path) -> None:
+def tell(pipe: Connection, trial: Trial, folder: Path, kept: Record | None = None) -> None:
     """Run a trial in this process, and say when its engine is ready, and what came of it."""
 
     def answered(record: Record) -> None:
         with suppress(TypeError, ValueError):  # what cannot be sent is refused with the whole record
             send(pipe, "answered", record)
 
-    for record in answers(trial, folder, answered):
+    for record in answers(trial, folder, answered, kept):
         try:
             send(pipe, "ready" if record is None else "record", record)
         except (TypeError, ValueError) as error:
@@ -190,25 +195,29 @@ def _origin(trial: Trial, foreseen: int) -> Origin:
     return loaded(plugins.adapter(trial.engine).loads, foreseen, environment)
 
 
-def _start(trial: Trial, origin: Origin, folder: Path, logs: Path) -> _Child | Record:
+def _start(trial: Trial, origin: Origin, folder: Path, logs: Path, kept: Record | None) -> _Child | Record:
     """A process at work on the trial; a record if no server can be born with the trial's variables."""
     kills, log = kills_for_memory(), logs / f"{trial.trial}.log"
     log.unlink(missing_ok=True)
     try:
-        process = start(origin, _answer, trial, folder, log)
+        process = start(origin, _answer, trial, folder, log, kept)
     except ConnectionError as error:
         if not trial.alteration.variables:
             raise
         return outcome(trial, "crashed", f"with {', '.join('='.join(each) for each in trial.alteration.variables)}: {error}")
     loading = Deadline(process.pid, trial.experiment.deadline + plugins.adapter(trial.engine).compile_allowance)
     watch = MemoryWatch(process.pid, trial.experiment.memory)
-    return _Child(trial, process, watch, Inbox(process.pipe), log, loading, kills, time.monotonic())
+    simulated_as = "" if kept is None else kept.simulated_as or kept.trial
+    return _Child(trial, process, watch, Inbox(process.pipe), log, loading, kills, time.monotonic(), simulated_as)
 
 
-def run_isolated(trials: Sequence[Trial], folder: Path, workers: int, foreseen: int = 0) -> Iterator[Record]:
+def run_isolated(
+    trials: Sequence[Trial], folder: Path, workers: int, foreseen: int = 0, kept: Mapping[str, Record] = MappingProxyType({})
+) -> Iterator[Record]:
     """Records as they come in, one for each trial; leaving the iterator early stops all children.
 
-    Args: foreseen: trials that an engine will have in all, where there are more to come than these.
+    Args: foreseen: trials that an engine will have in all, where there are more to come than these. kept: by trial, the record
+    of one of the same motion whose answer is judged anew, and simulated where its file is not as it was written.
     A trial whose fork server died under it runs again, off a server of its own. Several threads may run this, each in a folder
     of its own.
     """
@@ -225,7 +234,8 @@ def run_isolated(trials: Sequence[Trial], folder: Path, workers: int, foreseen: 
                 trial = waiting.pop()
                 origin = _origin(trial, max(foreseen, engines[trial.engine]))
                 varied |= {origin} if origin.variables else set()
-                started = _start(trial, replace(origin, only=trial.trial if trial.trial in forsaken else ""), folder, logs)
+                origin = replace(origin, only=trial.trial if trial.trial in forsaken else "")
+                started = _start(trial, origin, folder, logs, kept.get(trial.trial))
                 if isinstance(started, Record):
                     yield started
                 else:

@@ -30,7 +30,7 @@ from plumbline.harness.study.environments import (
 
 _INSTALLS = 900.0
 _TRIES = 300.0
-"""Seconds that installing, and the checks of `harness.conformance.smoke`, may take."""
+"""Seconds that installing, and the checks of `harness.conformance.smoke`, may take, beside what the engine compiles."""
 _LONGEST = 400
 _ADDRESS = re.compile(r"\b[a-z+]+://\S+")
 _FRAME = re.compile(r"[^\x00-\x7f]+")
@@ -138,7 +138,8 @@ def _tried(version: EngineVersion, digest: str) -> Environment:
     """The environment as the smoke checks find it. Raises: NotMade, OSError."""
     interpreter, ours = str(_interpreter(folder_of(version.name))), project_folders()
     command = [interpreter, "-P", "-m", "plumbline.harness.conformance.smoke", version.engine]
-    ended = bounded(command, _TRIES, answers=True, env={**os.environ, "PYTHONPATH": os.pathsep.join(ours)})
+    allowed = _TRIES + plugins.adapter(version.engine).compile_allowance
+    ended = bounded(command, allowed, answers=True, env={**os.environ, "PYTHONPATH": os.pathsep.join(ours)})
     if ended.code is None or not ended.answer:
         words = last_error(ended.err.decode("utf-8", "replace"))
         return Environment(interpreter, reason=f"its smoke checks {ended.how}{': ' * bool(words)}{words}", sources=digest)

@@ -14,7 +14,6 @@ import shutil
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -25,7 +24,6 @@ from plumbline.harness.store import disk
 from plumbline.harness.store.journal import FolderTaken, StoreError, Writer
 from plumbline.harness.store.journal_index import Entry, Index, read_index
 from plumbline.harness.store.machine_fingerprint import circumstances
-from plumbline.harness.store.record import Record, Timing
 from plumbline.harness.store.seal import Damaged, require_seal, sealed_json, sealed_toml
 from plumbline.harness.store.store import Store, ends_early, read_plain, write_json
 from plumbline.harness.store.stored_tables import write_tables
@@ -34,7 +32,6 @@ _CARRIED = re.compile(
     r"(trajectories/[0-9a-f]{16}\.npz|truths/[0-9a-f]{16}\.(npz|json)|scenes/[0-9a-f]{12}/[\w.-]+\.(toml|json)|logs/[\w-]+\.log)"
 )
 """What a folder has beside its journal."""
-_TIMED = tuple(field.name for field in fields(Timing) if field.name not in ("trial", "note"))
 
 
 def conflicts(folders: Sequence[Path]) -> list[str]:
@@ -141,14 +138,13 @@ def _written(sides: Sequence[Index], files: Mapping[str, Path], out: Path) -> li
                 journal.begin(session)
             for record in index.records():
                 if not journal.written.holds(record.trial):
-                    journal.append(_unclocked(record))
+                    journal.append(record.unclocked)
                 if (machine := index.clocked_on(record.trial)) is None:
                     continue
                 if machines[index.entries[record.trial].question] != machine:
                     notes[f"{index.path.parent}: leaves out {{}} timings: another machine clocked the same question"] += 1
-                elif journal.written.clocked_on(record.trial) is None:
-                    timed = {name: getattr(record, name) for name in _TIMED}
-                    journal.append(Timing(trial=record.trial, note=record.timing_note, **timed))
+                elif journal.written.clocked_on(record.trial) is None and record.timing is not None:
+                    journal.append(record.timing)
         due = _describe(sides, journal, out)
     finally:
         journal.close()
@@ -159,16 +155,6 @@ def _written(sides: Sequence[Index], files: Mapping[str, Path], out: Path) -> li
     write_json(out / "machine.json", parts[-1] | ended)
     left_out = [sentence.format(count) for sentence, count in notes.items()]
     return [*left_out, *([f"{missing} of {len(due)} trials have no record in any folder"] if missing else [])]
-
-
-def _unclocked(record: Record) -> Record:
-    """The record as its accuracy run left it."""
-    blank = Timing(trial=record.trial)
-    notice = f"timing: {record.timing_note}"
-    warnings = record.warnings
-    if record.timing_note and warnings and warnings[-1].text == notice:
-        warnings = warnings[:-1]
-    return replace(record, warnings=warnings, timing_note="", **{name: getattr(blank, name) for name in _TIMED})
 
 
 def _describe(sides: Sequence[Index], journal: Writer[Index], out: Path) -> list[str]:

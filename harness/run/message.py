@@ -28,7 +28,7 @@ LONGEST = 4 * 2**20
 _PART = 2**16
 _ANSWERED = (
     *("status", "reason", "detail", "resolved", "warnings", "measurements"),
-    *("sim_seconds", "steps", "trajectory_hash", "rough_cost", "rough_ratio", "substep", "idle"),
+    *("sim_seconds", "steps", "trajectory_hash", "rough_cost", "rough_ratio", "substep", "idle", "broke"),
 )
 """The fields of a record that are the child's to fill. What was asked of it, the parent knows better."""
 
@@ -145,10 +145,11 @@ def read_value(of: type, value: Any) -> Any:
         raise BrokenMessage(f"{where}: got {readable(repr(first['input']), 80)}: {first['msg']}") from None
 
 
-def read_record(trial: Trial, value: Any) -> Record:
-    """The record that a child told of a trial. Raises: BrokenMessage."""
+def read_record(trial: Trial, value: Any, kept: str = "") -> Record:
+    """The record that a child told of a trial. Args: kept: whose answer it may have judged. Raises: BrokenMessage."""
     answer: Record = read_value(Record, value)
-    return replace(outcome(trial, answer.status, answer.reason), **{name: getattr(answer, name) for name in _ANSWERED})
+    told = {name: getattr(answer, name) for name in _ANSWERED} | {"simulated_as": kept if answer.simulated_as else ""}
+    return replace(outcome(trial, answer.status, answer.reason), **told)
 
 
 def read_sample(value: Any) -> Sample:

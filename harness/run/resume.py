@@ -1,17 +1,19 @@
 """Resuming a run: which of a folder's records still hold, which are withdrawn and why, and what is clocked anew.
 
 A record holds where its trial's name, which covers all that decides an answer, is that of a trial of today, or where nothing
-that it rests on has changed; and where its trajectory is as it was written.
+that it rests on has changed; and where its trajectory is as it was written. Where what changed judges and does not move, the
+trajectory is judged anew; where there is none, the trial is run anew.
 """
 
 import json
 import re
 import shutil
 from collections import Counter, defaultdict
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from plumbline.harness.case.alteration import ALONE
 from plumbline.harness.store import disk
 from plumbline.harness.store.journal import Chain, Journal, StoreError
 from plumbline.harness.store.machine_fingerprint import circumstances, machine_digest
@@ -19,7 +21,7 @@ from plumbline.harness.store.record import Record
 from plumbline.harness.store.seal import Damaged, require_seal
 from plumbline.harness.store.store import ends_early, read_plain
 from plumbline.harness.study.library_variants import obstacle
-from plumbline.harness.study.provenance import what_changed
+from plumbline.harness.study.provenance import moves_alike, what_changed
 from plumbline.harness.study.trial import Trial
 from plumbline.harness.trial.accuracy import outcome
 
@@ -45,6 +47,23 @@ def damage(folder: Path, record: Record) -> str:
     except Damaged as error:
         return f"{path} is damaged: {error}"
     return ""
+
+
+def kept_answers(journal: Journal, trials: Iterable[Trial]) -> dict[str, Record]:
+    """By trial without a record, a withdrawn record of the same motion whose trajectory was kept: that can be judged anew.
+
+    An ensemble keeps that of one member alone; libraries that variables tell something act on who judges too.
+    """
+    lost = {
+        record.motion: record for record in journal.written.lost.values() if record.trajectory_hash and record.trajectory_kept
+    }
+    plain = (trial for trial in trials if trial.trial not in journal.records and judged_alone(trial))
+    return {trial.trial: lost[trial.motion] for trial in plain if trial.motion in lost}
+
+
+def judged_alone(trial: Trial) -> bool:
+    """Can the answer of a trial be judged without simulating it? Where it cannot after all, it is simulated beside others."""
+    return trial.motion != "" and trial.members == 1 and not trial.alteration.variables and trial.alteration.name != ALONE
 
 
 def _differences(value: Any, other: Any, where: str) -> list[str]:
@@ -121,6 +140,12 @@ def _reason(record: Record, cells: Mapping[str, Trial], versions: Mapping[str, s
     return reason
 
 
+def _moves_alike(record: Record, versions: Mapping[str, str]) -> bool:
+    """May a search that proposes the trial of a record again judge its answer anew, as far as sources tell?"""
+    alike = record.engine_version == versions[record.engine] and record.members == 1 and bool(record.motion)
+    return alike and moves_alike(record.case, record.engine, record.sources)
+
+
 def _possible_now(record: Record) -> str:
     """Why a run that the environment or the processor ruled out is made after all; '' if it was made, or is ruled out still."""
     variables = tuple(record.alteration.get("variables", {}).items())
@@ -131,7 +156,7 @@ def _possible_now(record: Record) -> str:
 def review(
     journal: Journal, folder: Path, trials: Sequence[Trial], cases: Collection[str], versions: Mapping[str, str], machine: str
 ) -> list[str]:
-    """Withdraw what does not hold, bring back what holds again, and say in sentences what is kept, run anew and clocked anew.
+    """Withdraw what does not hold, bring back what holds again, and say what is kept, and what is judged, run and clocked anew.
 
     Args: cases: names of those that are asked about; versions: of the engines asked; machine: today's digest.
     Raises: StoreError, OSError.
@@ -140,7 +165,8 @@ def review(
     planned = {trial.trial for trial in trials}
     journal.restore([n for n in planned if n in journal.written.withdrawn and not damage(folder, journal.written.lost[n])])
     cells = {_cell(outcome(trial, "interrupted", "")): trial for trial in trials if trial.round == 0}
-    stale: defaultdict[str, list[str]] = defaultdict(list)
+    stale: defaultdict[tuple[str, str], list[str]] = defaultdict(list)
+    motions = {trial.motion for trial in trials if judged_alone(trial)}
     beside: Counter[str] = Counter()
     for record in journal.records.values():
         if record.trial not in planned:
@@ -148,13 +174,15 @@ def review(
                 beside[f"{record.engine} {record.engine_version}"] += 1
                 continue
             if reason := _reason(record, cells, versions, journal):
-                stale[reason].append(record.trial)
+                anew = record.motion in motions or (record.round > 0 and _moves_alike(record, versions))
+                keeps = record.trajectory_hash is not None and record.trajectory_kept and not damage(folder, record)
+                stale["judges" if anew and keeps else "runs", reason].append(record.trial)
                 continue
         if reason := (record.trial in planned and _possible_now(record)) or damage(folder, record):
-            stale[reason].append(record.trial)
-    for reason, names in stale.items():
+            stale["runs", reason].append(record.trial)
+    for (verb, reason), names in stale.items():
         journal.withdraw(names, reason)
-        notes.append(f"runs anew {len(names)}: {reason}")
+        notes.append(f"{verb} anew {len(names)}: {reason}")
     notes += _mended_truths(folder)
     rough = sum(record.rough_cost is not None and record.answered_on != machine for record in journal.records.values())
     if rough:

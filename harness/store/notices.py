@@ -7,11 +7,16 @@ from typing import Literal
 
 @dataclass(frozen=True, slots=True)
 class StoredNotice:
-    """A notice in plain values. Terms: as of `harness.adapter.Notice`; effect: the name of it, '' for a note."""
+    """A notice in plain values.
+
+    Terms: as of `harness.adapter.Notice`; effect: the name of it, '' for a note. by: who says it: the engine or its adapter,
+    what judges the answer, what clocks it roughly beside its run, or its timing run.
+    """
 
     text: str
     kind: Literal["note", "surplus", "missing", "capacity"] = "note"
     effect: str = ""
+    by: Literal["engine", "judge", "rough clock", "timing"] = "engine"
 
     def __str__(self) -> str:
         """As a line for people, by its kind first."""

@@ -147,6 +147,9 @@ class Record:
         trajectory_kept: False where a trajectory is kept by its hash alone.
         idle: knobs and values to which a search need not turn one from here, since the engine resolves its settings as before;
         no column.
+        motion: the digest of all that moves the run, and of nothing that judges it; '' in folders of older versions.
+        simulated_as: of a kept answer that was judged anew, the trial that simulated it; '' of one that was simulated.
+        broke: when and how it diverged, None where it did not; no column.
     """
 
     trial: str
@@ -200,6 +203,9 @@ class Record:
     trajectory_kept: bool = True
     base: str = ""
     idle: tuple[tuple[str, Any], ...] = ()
+    motion: str = ""
+    simulated_as: str = ""
+    broke: str | None = None
     measurements: tuple[Measurement, ...] = ()
     samples: tuple[Sample, ...] = ()
 
@@ -220,9 +226,24 @@ class Record:
 
     def timed(self, timing: Timing) -> "Record":
         """The same record with the outcome of its timing run."""
-        kept = {f.name: getattr(timing, f.name) for f in dataclasses.fields(timing) if f.name not in {"trial", "note"}}
-        notes = (*self.warnings, StoredNotice(f"timing: {timing.note}")) if timing.note else self.warnings
+        kept = {name: getattr(timing, name) for name in _TIMED}
+        notes = (*self.warnings, StoredNotice(f"timing: {timing.note}", by="timing")) if timing.note else self.warnings
         return dataclasses.replace(self, warnings=notes, timing_note=timing.note, **kept)
+
+    @property
+    def timing(self) -> Timing | None:
+        """The outcome of its timing run; None without one."""
+        if not self.samples and not self.clocked and not self.timing_note:
+            return None
+        return Timing(trial=self.trial, note=self.timing_note, **{name: getattr(self, name) for name in _TIMED})
+
+    @property
+    def unclocked(self) -> "Record":
+        """The record as its accuracy run left it."""
+        blank = {name: getattr(_BLANK, name) for name in _TIMED}
+        said = f"timing: {self.timing_note}"  # folders of older versions do not tell who said it
+        warnings = tuple(notice for notice in self.warnings if notice.by != "timing" and notice.text != said)
+        return dataclasses.replace(self, warnings=warnings, timing_note="", **blank)
 
     @classmethod
     def from_plain(cls, plain: Mapping[str, Any]) -> "Record":
@@ -230,6 +251,9 @@ class Record:
         return _read(cls, plain)
 
 
+_TIMED = tuple(f.name for f in dataclasses.fields(Timing) if f.name not in {"trial", "note"})
+"""What a record has of its timing under the same names."""
+_BLANK = Timing(trial="")
 Entry = TypeVar("Entry", Record, Timing)
 _NAME = re.compile(r"[0-9A-Za-z_-]{1,64}")
 """Of a trial and of an answer: files are called by them."""

@@ -24,8 +24,9 @@ if TYPE_CHECKING:
 JSON_COLUMNS = ("parameters", "settings", "resolved", "warnings", "alteration", "sources")
 BESIDE = ("base", "idle", "notices")
 """What the file of the trials holds beside the columns that people are shown; `idle` and `notices` as JSON."""
+_NOT_IN_TABLES = ("broke", "measurements", "samples")
 COLUMNS = {
-    "trials": tuple(f.name for f in dataclasses.fields(Record) if f.name not in {*BESIDE, "measurements", "samples"}),
+    "trials": tuple(f.name for f in dataclasses.fields(Record) if f.name not in {*BESIDE, *_NOT_IN_TABLES}),
     "measurements": ("trial", *(f.name for f in dataclasses.fields(Measurement))),
     "samples": ("trial", *(f.name for f in dataclasses.fields(Sample))),
 }
@@ -154,6 +155,9 @@ def write_tables(folder: Path, records: Iterable[Record]) -> dict[str, str]:
 def read_tables(folder: Path) -> dict[str, pd.DataFrame]:
     """The tables by name, which another program may have written: looked at, then read. Raises: StoreError."""
     tables = {name: _table(folder / f"{name}.parquet", needed) for name, needed in _NEEDED.items()}
+    for column in _LATER:
+        if column not in tables["trials"]:
+            tables["trials"][column] = ""
     for column in (column for column in JSON_COLUMNS if column in tables["trials"]):
         for text in dict.fromkeys(tables["trials"][column]):
             try:
@@ -165,7 +169,13 @@ def read_tables(folder: Path) -> dict[str, pd.DataFrame]:
     return tables
 
 
-_NEEDED = {"trials": COLUMNS["trials"], "measurements": ("trial", "metric", "value"), "samples": ("trial",)}
+_LATER = ("motion", "simulated_as")
+"""Columns of the trials that older versions did not write, all of words: empty then."""
+_NEEDED = {
+    "trials": tuple(name for name in COLUMNS["trials"] if name not in _LATER),
+    "measurements": ("trial", "metric", "value"),
+    "samples": ("trial",),
+}
 
 
 def _table(path: Path, columns: Sequence[str]) -> pd.DataFrame:

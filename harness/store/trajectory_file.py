@@ -3,6 +3,7 @@
 import hashlib
 import math
 from collections.abc import Mapping
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -11,10 +12,12 @@ from numpy.typing import NDArray
 
 from plumbline.harness.scene import Scene
 from plumbline.harness.scene.file import dump_json
-from plumbline.harness.store.arrays import write_arrays
+from plumbline.harness.store.arrays import read_arrays, write_arrays
+from plumbline.harness.store.seal import Damaged
 from plumbline.harness.trajectory import Contacts, Trajectory
 
 _STATES = ("time", "p_WB", "q_WB", "v_WB", "w_WB")
+_STREAM = "stream:"
 _CONTACTS = ("body_A", "body_B", "point_W", "normal_W", "gap", "force_W")
 
 
@@ -30,7 +33,36 @@ def _arrays(trajectory: Trajectory) -> dict[str, NDArray[Any]]:
     arrays: dict[str, NDArray[Any]] = {name: getattr(trajectory, name) for name in _STATES}
     if trajectory.contacts:
         arrays |= _ragged(trajectory.contacts)
-    return arrays | {f"stream:{name}": signal for name, signal in trajectory.streams.items()}
+    arrays |= {f"{_STREAM}{name}": signal for name, signal in trajectory.streams.items()}
+    return {name: np.ascontiguousarray(array) for name, array in arrays.items()}
+
+
+def _trajectory(arrays: Mapping[str, NDArray[Any]], dt: float, even: bool = True) -> Trajectory:
+    """What `_arrays` was given, in memory as a file has it."""
+    contacts = None
+    if "contacts_count" in arrays:
+        ends = np.cumsum(arrays["contacts_count"]).tolist()
+        columns = [arrays[f"contacts_{name}"] for name in _CONTACTS]
+        contacts = tuple(Contacts(*(c[start:end] for c in columns)) for start, end in pairwise([0, *ends]))
+    streams = {name.removeprefix(_STREAM): signal for name, signal in arrays.items() if name.startswith(_STREAM)}
+    time, p_WB, q_WB, v_WB, w_WB = (arrays[name] for name in _STATES)
+    return Trajectory(time, p_WB, q_WB, v_WB, w_WB, dt=dt, contacts=contacts, streams=streams, even=even)
+
+
+def as_kept(trajectory: Trajectory) -> Trajectory:
+    """The same trajectory, laid out in memory as it is once it is read back: so sums over it have the same bits."""
+    return _trajectory(_arrays(trajectory), trajectory.dt, trajectory.even)
+
+
+def read_trajectory(folder: Path, name: str, scene: Scene) -> Trajectory | None:
+    """The answer of this hash, without its truth, under even steps; None where its file is gone or damaged, holds another
+    answer than its name says, or the answer to another scene."""
+    try:
+        arrays = read_arrays(folder / "trajectories" / f"{name}.npz")
+        actual = _trajectory(arrays, float(arrays["dt"]))
+        return actual if trajectory_hash(scene, actual) == name else None
+    except (Damaged, OSError, KeyError, ValueError):
+        return None
 
 
 def trajectory_hash(scene: Scene, trajectory: Trajectory) -> str:

@@ -8,7 +8,7 @@ import ast
 import hashlib
 import os
 import re
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import cache
 from importlib.machinery import PathFinder
 from importlib.metadata import PackageNotFoundError, version
@@ -21,6 +21,17 @@ _WHOLE = f"{_OURS}.engine"
 _KEEPING = tuple(f"{_OURS}.{room}" for room in ("harness.store", "harness.study", "harness.cli", "reports"))
 """What finds, plans, stores and shows, and decides no answer; what of it enters one is in a trial's name by value."""
 _LIBRARIES = ("numpy", "scipy", "numba")
+MOVING = ("adapter", "stepping", "acting", "libraries")
+"""The sources of an answer that move the run; all others only judge it. 'acting' is that of a case whose code runs while an
+engine steps."""
+ORIGINS = {
+    "adapter": "the adapter's source",
+    "stepping": "the harness that steps",
+    "case": "the case's source",
+    "harness": "the harness that measures",
+    "truth": "the engine that makes the truth",
+}
+"""What sources are called; 'acting' is told as the case's."""
 _STATEMENT = re.compile(r"^[ \t]*(?:from|import)\b[^\n(;]*(?:\([^)]*\))?", re.MULTILINE)
 """What may be an import; prose that looks like one does not parse."""
 
@@ -61,45 +72,62 @@ def _text(path: Path) -> bytes:
 
 
 @cache
-def _named(statement: str) -> tuple[tuple[str, int], ...]:
-    """What a statement imports, each with the number of dots before it; nothing where it is none."""
+def _named(statement: str) -> tuple[tuple[str, str, int], ...]:
+    """What a statement imports: a module, the name that is taken from it, '' for itself, and the dots before; nothing where it
+    is none."""
     try:
         (parsed,) = ast.parse(dedent(statement)).body
     except (SyntaxError, ValueError):
         return ()
     if isinstance(parsed, ast.Import):
-        return tuple((alias.name, 0) for alias in parsed.names)
+        return tuple((alias.name, "", 0) for alias in parsed.names)
     if not isinstance(parsed, ast.ImportFrom):
         return ()
-    base = parsed.module or ""
-    names = (f"{base}.{alias.name}".strip(".") for alias in parsed.names)
-    return tuple((name, parsed.level) for name in (base, *names) if name)
+    return tuple((parsed.module or "", alias.name, parsed.level) for alias in parsed.names)
+
+
+def _statements(module: str) -> list[str]:
+    path = _file(module)
+    return [] if path is None else _STATEMENT.findall(_text(path).decode("utf-8", "replace"))
+
+
+@cache
+def _asked(module: str) -> frozenset[tuple[str, str]]:
+    """What a module imports of our packages and its own, wherever in the file: a module, and a name of it or ''."""
+    path = _file(module)
+    package = module.split(".") if path is not None and path.name == "__init__.py" else module.split(".")[:-1]
+    asked = set()
+    for statement in _statements(module):
+        for base, name, level in _named(statement):
+            whole = ".".join([*package[: len(package) - level + 1], base]).strip(".") if level else base
+            if whole.partition(".")[0] in (module.partition(".")[0], _OURS):
+                asked.add((whole, name))
+    return frozenset(asked)
+
+
+def _with_packages(name: str) -> Iterator[str]:
+    """A dotted name, and those of the packages that it lies in."""
+    parts = name.split(".")
+    return (".".join(parts[:count]) for count in range(1, len(parts) + 1))
+
+
+def _there(names: Iterable[str]) -> frozenset[str]:
+    """Those of dotted names that are modules which may decide an answer."""
+    return frozenset(name for name in names if not keeps(name) and _file(name) is not None)
 
 
 @cache
 def imported(module: str) -> frozenset[str]:
     """The modules of our packages and its own that one imports, wherever in the file, and the packages that these lie in."""
-    path = _file(module)
-    if path is None:
-        return frozenset()
-    package = module.split(".") if path.name == "__init__.py" else module.split(".")[:-1]
-    top = module.partition(".")[0]
-    modules = set[str]()
-    for statement in _STATEMENT.findall(_text(path).decode("utf-8", "replace")):
-        for name, level in _named(statement):
-            whole = [*package[: len(package) - level + 1], *name.split(".")] if level else name.split(".")
-            if whole[0] in (top, _OURS):
-                modules.update(".".join(whole[:count]) for count in range(1, len(whole) + 1))
-    return frozenset(dotted for dotted in modules if not keeps(dotted) and _file(dotted) is not None)
+    return _there(dotted for base, name in _asked(module) for dotted in _with_packages(f"{base}.{name}".strip(".")))
 
 
 def named(modules: Iterable[str], package: str) -> frozenset[str]:
     """The inner modules of another package that these import from, wherever in the file; `scipy.stats`, say."""
     found = set[str]()
     for module in modules:
-        path = _file(module)
-        for statement in _STATEMENT.findall("" if path is None else _text(path).decode("utf-8", "replace")):
-            found.update(name for name, _ in _named(statement) if name.startswith(f"{package}."))
+        for base, name, _ in (each for statement in _statements(module) for each in _named(statement)):
+            found.update(dotted for dotted in (base, f"{base}.{name}".strip(".")) if dotted.startswith(f"{package}."))
     return frozenset(name for name in found if not any(name.startswith(f"{other}.") for other in found))
 
 
@@ -110,13 +138,69 @@ def keeps(module: str) -> bool:
 
 def closure(modules: Iterable[str]) -> frozenset[str]:
     """The modules that these import, directly or through others, of our packages and theirs, but those that only keep."""
+    return _reached(modules, imported)
+
+
+def _reached(modules: Iterable[str], step: Callable[[str], Iterable[str]]) -> frozenset[str]:
     waiting, reached = [*modules], set[str]()
     while waiting:
         module = waiting.pop()
         if module not in reached:
             reached.add(module)
-            waiting += _whole() if f"{module}.".startswith(f"{_WHOLE}.") else imported(module)
+            waiting += _whole() if f"{module}.".startswith(f"{_WHOLE}.") else step(module)
     return frozenset(reached)
+
+
+def needed(modules: Iterable[str]) -> frozenset[str]:
+    """As `closure`, but of a package that only hands on names of its modules those modules alone that names are asked from.
+
+    Such a package is among them too: its text says what it hands on.
+    """
+    return _reached(modules, _needed_by)
+
+
+@cache
+def _needed_by(module: str) -> frozenset[str]:
+    """What `imported` gives, without what packages hand on that nobody here asks for."""
+    if _handed_on(module):
+        return frozenset()
+    return _there(
+        dotted
+        for base, name in _asked(module)
+        for source in _origins(f"{base}.{name}".strip("."))
+        for dotted in _with_packages(source)
+    )
+
+
+def _origins(name: str) -> frozenset[str]:
+    """The modules that a dotted name leads to: of a name in a package that hands it on, the one that it comes from, of such a
+    package all that it hands on, else the module itself or the one that the name is in."""
+    if _file(name) is not None:
+        return frozenset({name}).union(*(_origins(each.rpartition(".")[0]) for each in _handed_on(name).values()))
+    package = name.rpartition(".")[0]
+    if not package:
+        return frozenset()
+    return _origins(_handed_on(package).get(name, package)) | {package}
+
+
+@cache
+def _handed_on(package: str) -> Mapping[str, str]:
+    """By the dotted name, where each name comes from that a package has which does nothing but import names from its own
+    modules; empty for any other module."""
+    path, origins = _file(package), dict[str, str]()
+    if path is None or path.name != "__init__.py":
+        return {}
+    for node in ast.parse(_text(path)).body:
+        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith(f"{package}."):
+            origins |= {f"{package}.{alias.asname or alias.name}": f"{node.module}.{alias.name}" for alias in node.names}
+        elif not (isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)) and not _lists_names(node):
+            return {}
+    return origins
+
+
+def _lists_names(node: ast.stmt) -> bool:
+    """Is it `__all__ = [...]`?"""
+    return isinstance(node, ast.Assign) and [ast.unparse(target) for target in node.targets] == ["__all__"]
 
 
 @cache

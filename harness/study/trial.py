@@ -1,20 +1,17 @@
 """A trial: one case at one set of parameters, on one engine, under one group of settings, and what it is called."""
 
-import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 from plumbline.harness.adapter import Settings
-from plumbline.harness.case import Case, Clocks
+from plumbline.harness.case import Case, Clocks, Problem
 from plumbline.harness.case.alteration import AS_IT_IS, Alteration
-from plumbline.harness.case.forces import wrench_after
 from plumbline.harness.scene import Scene
-from plumbline.harness.scene.file import dump_json
 from plumbline.harness.store.record import digest
 from plumbline.harness.study.experiment import Experiment, StudyError
 from plumbline.harness.study.foreseen_cost import NoScene, scene_at
-from plumbline.harness.trajectory import State
+from plumbline.harness.study.sources import MOVING
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -30,6 +27,7 @@ class Trial:
         allowed [s]: its deadline, where a search gives it another than its experiment's; 0 where not.
         base: the track that turned settings descend from, '' where `track` is it.
         sources: digests of the texts that decide the answer, by what they are; see `harness.study.provenance`.
+        motion: the digest of what of all this moves the run: trials of one motion differ in what judges them alone.
     """
 
     study: str
@@ -54,6 +52,7 @@ class Trial:
     allowed: float = 0.0
     base: str = ""
     sources: Mapping[str, str] = field(default_factory=dict)
+    motion: str = ""
 
     @property
     def deadline(self) -> float:
@@ -65,8 +64,13 @@ class Trial:
         whole = case.undropped if self.alteration.undropped else None
         return self.alteration.of(case.scene(case.at(**self.parameters)) if whole is None else whole)
 
+    def problem(self, case: Case) -> Problem:
+        """What is put to the engine, with what is read of it; `case` stands at the parameters of the trial."""
+        return case.problem(self.scene(case))
+
     def named(self) -> "Trial":
-        """The trial with its name: a digest of all that decides its answer, question, versions and sources included."""
+        """The trial with its name, a digest of all that decides its answer, question, versions and sources included, and that
+        of its motion, which leaves out the sources that only judge."""
         asked = {
             "study": self.study,
             "experiment": self.experiment.name,
@@ -86,9 +90,11 @@ class Trial:
             "members": (self.members, 1),
             "remedied": (self.remedied, ""),
             "parts": (self.parts, 0),
-            "sources": (dict(self.sources), {}),
         }
-        return replace(self, trial=digest(asked | {name: value for name, (value, plain) in unusual.items() if value != plain}))
+        asked |= {name: value for name, (value, plain) in unusual.items() if value != plain}
+        moving = {name: text for name, text in self.sources.items() if name in MOVING}
+        motion, trial = (digest(asked | ({"sources": texts} if texts else {})) for texts in (moving, dict(self.sources)))
+        return replace(self, trial=trial, motion=motion)
 
     def probing(self, case: Case, **changes: Any) -> "Trial":
         """Another trial of a search, with other parameters, settings or alteration; its name follows from all of them."""
@@ -107,25 +113,5 @@ def scene_of(case: Case, parameters: Mapping[str, Any]) -> Scene:
 
 
 def question_of(case: Case, parameters: Mapping[str, Any], scene: Scene) -> str:
-    """A digest of what is asked: the scene, how long it runs, what is sampled, what acts on it, its retellings, its rays."""
-    scene_digest = hashlib.sha256(dump_json(scene).encode()).hexdigest()
-    case = case.put(parameters)
-    asked: list[Any] = [scene_digest, float(case.duration), case.sample_interval, case.with_contacts]
-    if case.control is not None:
-        control = case.control(case.parameters)
-        asked += [control.interval, hashlib.sha256(wrench_after(control, State.initial(scene))).hexdigest()]
-    if case.retellings is not None:
-        asked += [
-            [
-                retelling.name,
-                retelling.clock,
-                retelling.restored_at,
-                hashlib.sha256(dump_json(retelling.scene).encode()).hexdigest(),
-            ]
-            for retelling in case.retellings(case.parameters)
-        ]
-    if case.rays is not None:
-        rays = case.rays(case.parameters)
-        asked.append(hashlib.sha256(rays.origins.tobytes() + rays.directions.tobytes()).hexdigest())
-        asked.append(rays.max_range)
-    return digest(asked)
+    """A digest of what is asked of an engine."""
+    return digest(case.put(parameters).problem(scene).plain())

@@ -1,45 +1,27 @@
-"""The accuracy run: one trial in this process, from scene to record; nothing is clocked here."""
+"""The accuracy run: one trial in this process, from scene to record; nothing is clocked here.
+
+An answer is judged as it is kept, array by array: judged anew from its file, it gives the same record, bit for bit.
+"""
 
 import math
-import time
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 from pathlib import Path
-from typing import Any, cast
 
 import numpy as np
 
-from plumbline.harness.adapter import (
-    Adapter,
-    Diverged,
-    Feature,
-    Notice,
-    Settings,
-    SettingsError,
-    Simulation,
-    Unavailable,
-    Unsupported,
-)
-from plumbline.harness.adapter.many_worlds import WorldOf, spread
-from plumbline.harness.adapter.notice import as_notices
-from plumbline.harness.adapter.what_comes_out import Answering
-from plumbline.harness.case import Case, Converged, Rays
-from plumbline.harness.case.commands import acting
-from plumbline.harness.case.forces import Controlled
+from plumbline.harness.adapter import Adapter, SettingsError, Unavailable, Unsupported
+from plumbline.harness.case import Case, Converged
 from plumbline.harness.case.own_truth import breaks
-from plumbline.harness.case.symmetries import Retelling
 from plumbline.harness.metric import Metric, NotMeasurable
 from plumbline.harness.scene import Scene
 from plumbline.harness.store.notices import StoredNotice, short_of
 from plumbline.harness.store.record import Measurement, Record, Status
-from plumbline.harness.store.trajectory_file import save_trajectory
+from plumbline.harness.store.trajectory_file import as_kept, read_trajectory, save_trajectory
 from plumbline.harness.study.trial import Trial
-from plumbline.harness.trajectory import Floats, Trajectory
+from plumbline.harness.trajectory import Trajectory
 from plumbline.harness.trajectory.pace import Pace
-from plumbline.harness.trial.equivalent_runs import equivalent_run, equivalent_streams
-from plumbline.harness.trial.paced import check_paced, paced
-from plumbline.harness.trial.readings_due import readings_due
-from plumbline.harness.trial.simulate import simulate
+from plumbline.harness.trial.answer import Answer, answer_of
 from plumbline.harness.trial.truth_cache import bounded, truth_of
 
 _TOLD_OTHERWISE = {"experiment", "base", "settings", "alteration"}
@@ -59,13 +41,6 @@ def outcome(trial: Trial, status: Status, reason: str, detail: str = "") -> Reco
         reason=reason,
         detail=detail,
     )
-
-
-def cast_once(simulation: Simulation, rays: Rays) -> dict[str, Floats]:
-    """Streams 'rays/range_ideal' and 'rays/body' of the rays of a case, cast at the start."""
-    hits = simulation.cast(rays.origins, rays.directions, rays.max_range)
-    bodies = hits.body[None].astype(np.float64)
-    return {"rays/time": np.zeros(1), "rays/range_ideal": hits.distance[None], "rays/body": bodies}
 
 
 class TruthBroken(NotMeasurable):
@@ -172,148 +147,6 @@ def _verdict(measurements: tuple[Measurement, ...]) -> tuple[Status, str]:
     return "passed", f"every check holds{'; not measurable: ' + ', '.join(blind) if blind else ''}"
 
 
-@dataclass(frozen=True, slots=True)
-class Answer:
-    """What an engine made of a scene.
-
-    Terms: broke: when and how it diverged, None where it did not. pace: of its steps. cpu [s]: that they took, once and from
-    cold; 0 where nobody asks.
-    """
-
-    actual: Trajectory
-    broke: str | None
-    resolved: Mapping[str, Any]
-    warnings: tuple[StoredNotice, ...]
-    pace: Pace
-    cpu: float = 0.0
-
-    @property
-    def steps(self) -> int:
-        """Whole steps taken."""
-        return self.pace.steps(float(self.actual.time[-1])) if len(self.actual) else 0
-
-    @property
-    def sim_seconds(self) -> float:
-        """The time that these steps take [s]."""
-        return self.pace.time(self.steps)
-
-    def substep(self, asked: Settings) -> float:
-        """The longest step taken [s]: as reported, else as requested."""
-        return self.pace.longest / (self.resolved.get("substeps") or asked.substeps or 1)
-
-
-class StepTime:
-    """A simulation with the CPU time of all its steps so far; all else is the simulation's own.
-
-    A whole run is clocked so, once and from cold: roughly, and for nothing.
-    """
-
-    def __init__(self, simulation: Any) -> None:
-        self._simulation = simulation
-        self.cpu = 0.0
-
-    def step(self, count: int = 1) -> None:
-        """Advance the simulation. Raises: Diverged."""
-        begun = time.process_time()
-        try:
-            self._simulation.step(count)
-        finally:
-            self.cpu += time.process_time() - begun
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self._simulation, name)
-
-
-def answer_of(trial: Trial, case: Case, adapter: Adapter, scene: Scene) -> Answer:
-    """Build and step: what the engine of a trial makes of a scene that belongs to the trial's case.
-
-    Raises: Unsupported, Unavailable, SettingsError.
-    """
-    check_paced(adapter, trial.settings)
-    pace = Pace.of(trial.settings.pace, trial.settings.dt)
-    sample_interval = 0.0 if trial.alteration.every_step else case.sample_interval
-    retelling = trial.alteration.retelling(scene, case.duration)
-    if retelling is not None:
-        return _equivalent(trial, retelling, adapter, case.duration, sample_interval)
-    try:
-        return _stepped(trial, case, adapter, scene, sample_interval, pace)
-    except Diverged as error:
-        return Answer(Trajectory.of(np.zeros(0), len(scene.bodies)), str(error), {}, (), pace)
-
-
-def _stepped(trial: Trial, case: Case, adapter: Adapter, scene: Scene, sample_interval: float, pace: Pace) -> Answer:
-    """Raises: Diverged, outside its steps; otherwise as `answer_of`."""
-    worlds, batch = case.count_of_worlds(trial.parameters), None
-    step_time: StepTime | None = None
-
-    def clocked(stepped: Simulation) -> Simulation:
-        nonlocal step_time
-        if not trial.experiment.dominance:
-            return stepped
-        step_time = StepTime(stepped)
-        return cast(Simulation, step_time)
-
-    simulation: Simulation
-    if worlds > 1:
-        if not pace.even:
-            raise Unsupported("many worlds under uneven steps", "a batch of worlds takes even steps")
-        batch = adapter.build_batch(scene, trial.settings, worlds)
-        simulation = cast(Simulation, Answering(clocked(cast(Simulation, WorldOf(batch, worlds - 1))), scene))
-    else:
-        simulation = paced(cast(Simulation, Answering(clocked(adapter.build(scene, trial.settings)), scene)), pace)
-        control = acting(scene, None if case.control is None else case.control(case.parameters))
-        if control is not None:
-            simulation = cast(Simulation, Controlled(simulation, control, pace, len(scene.bodies)))
-    try:
-        readable = Feature.CONTACTS | Feature.CONTACT_FORCES in adapter.features
-        with_contacts = case.with_contacts and readable and batch is None
-        seen = {} if case.rays is None else cast_once(simulation, case.rays(case.parameters))
-        actual, broke = simulate(
-            simulation,
-            scene,
-            pace=pace,
-            duration=case.duration,
-            sample_interval=sample_interval,
-            with_contacts=with_contacts,
-            seed=trial.seed,
-            with_impulses=with_contacts and any(metric.impulses for metric in case.metrics),
-            pushed=case.control is not None,
-        )
-        if scene.sensors and case.truth == "agreed limit":
-            seen |= readings_due(scene, actual)
-        if case.worlds and broke is None:
-            apart = 0.0 if batch is None else spread(batch, len(scene.bodies))
-            seen |= {"worlds/time": actual.time[-1:], "worlds/spread": np.array([apart])}
-        resolved, warnings = simulation.resolved.plain(), _stored(simulation.warnings())
-        if not pace.even:
-            resolved |= {"pace": trial.settings.pace, "longest_step": pace.longest}
-    finally:
-        simulation.close()
-    if case.retellings is not None and broke is None and not trial.alteration.every_step:
-        for retelling in case.retellings(case.parameters):
-            other = replace(retelling, scene=trial.alteration.of(retelling.scene))
-            streams, remarks = equivalent_streams(other, adapter, trial.settings, case.duration, case.sample_interval)
-            seen, warnings = seen | streams, (*warnings, *map(StoredNotice, remarks))
-    cpu = 0.0 if step_time is None else step_time.cpu
-    return Answer(replace(actual, streams={**actual.streams, **seen}), broke, resolved, warnings, pace, cpu)
-
-
-def _stored(warnings: tuple[str | Notice, ...]) -> tuple[StoredNotice, ...]:
-    """What an engine or its adapter said, as records keep it."""
-    return tuple(
-        StoredNotice(notice.text, notice.kind, "" if notice.effect is None else ", ".join(notice.effect.names))
-        for notice in as_notices(warnings)
-    )
-
-
-def _equivalent(trial: Trial, retelling: Retelling, adapter: Adapter, duration: float, sample_interval: float) -> Answer:
-    try:
-        actual, broke = equivalent_run(retelling, adapter, trial.settings, duration, sample_interval)
-    except Diverged as error:
-        actual, broke = Trajectory.of(np.zeros(0), len(retelling.scene.bodies)), str(error)
-    return Answer(actual, broke, {}, (), Pace.of(trial.settings.pace, trial.settings.dt))
-
-
 def refusal(trial: Trial, error: Unsupported | Unavailable | SettingsError) -> Record:
     """The record of a trial whose scene or settings the engine does not take."""
     if isinstance(error, Unsupported):
@@ -335,14 +168,54 @@ def run_trial(
     Args: answered: is told what is known once the engine has answered, before its answer is judged.
     """
     case = case.put(trial.parameters)
-    scene = trial.scene(case)
+    problem = trial.problem(case)
     try:
-        answer = answer_of(trial, case, adapter, scene)
+        answer = answer_of(trial, problem, adapter)
     except (Unsupported, Unavailable, SettingsError) as error:
         return refusal(trial, error)
-    actual, broke, warnings = answer.actual, answer.broke, answer.warnings
+    record = _judged(trial, case, problem.scene, answer, folder, answered)
+    return replace(record, rough_cost=answer.cpu / answer.sim_seconds if answer.cpu and answer.sim_seconds else None)
+
+
+def judged_anew(
+    trial: Trial, case: Case, kept: Record, folder: Path, answered: Callable[[Record], object] | None = None
+) -> Record | None:
+    """The record of a trial whose answer an earlier run kept: judged, not simulated; what was clocked of it stays.
+
+    Args: kept: its record then, of the same `motion`. Returns: None where the file of its trajectory is gone, damaged, or not
+    the answer to the trial's own scene.
+    """
+    case = case.put(trial.parameters)
+    scene, pace = trial.scene(case), Pace.of(trial.settings.pace, trial.settings.dt)
+    actual = None if kept.trajectory_hash is None else read_trajectory(folder, kept.trajectory_hash, scene)
+    if actual is None:
+        return None
+    said = tuple(notice for notice in kept.warnings if notice.by == "engine")
+    answer = Answer(replace(actual, even=pace.even), kept.broke, kept.resolved, said, pace)
+    record = _judged(trial, case, scene, answer, folder, answered)
+    clocked = (notice for notice in kept.warnings if notice.by == "rough clock")
+    return replace(
+        record,
+        warnings=(*record.warnings, *clocked),
+        rough_cost=kept.rough_cost,
+        rough_ratio=kept.rough_ratio,
+        idle=kept.idle,
+    )
+
+
+def _judged(
+    trial: Trial,
+    case: Case,
+    scene: Scene,
+    answer: Answer,
+    folder: Path | None,
+    answered: Callable[[Record], object] | None = None,
+) -> Record:
+    """The record of an answer; its trajectory is kept under `folder`, unless no engine can be judged by the truth."""
+    actual, broke, warnings = as_kept(answer.actual), answer.broke, answer.warnings
     plain = replace(
         outcome(trial, "interrupted" if broke is None else "diverged", broke or "the answer is not judged yet"),
+        broke=broke,
         resolved=answer.resolved,
         substep=answer.substep(trial.settings),
         warnings=warnings,
@@ -354,7 +227,7 @@ def run_trial(
     try:
         truth = truth_of(case, scene, actual.time, trial.parameters, folder, trial.sources)
     except (NotMeasurable, Unsupported, MemoryError) as error:
-        truth, warnings = None, (*warnings, StoredNotice(f"no truth: {str(error) or 'out of memory'}"))
+        truth, warnings = None, (*warnings, StoredNotice(f"no truth: {str(error) or 'out of memory'}", by="judge"))
     expected = None if truth is None else truth.trajectory
     measurements: tuple[Measurement, ...] = ()
     if broke is None:
@@ -374,5 +247,4 @@ def run_trial(
         warnings=warnings,
         measurements=measurements,
         trajectory_hash=None if folder is None else save_trajectory(folder, scene, actual, expected),
-        rough_cost=answer.cpu / answer.sim_seconds if answer.cpu and answer.sim_seconds else None,
     )

@@ -32,7 +32,8 @@ from plumbline.harness.store.record import Measurement, Record
 from plumbline.harness.store.trajectory_file import save_trajectory
 from plumbline.harness.study.trial import Trial
 from plumbline.harness.trajectory import Trajectory
-from plumbline.harness.trial.accuracy import Answer, answer_of, judge, outcome, refusal
+from plumbline.harness.trial.accuracy import judge, outcome, refusal
+from plumbline.harness.trial.answer import Answer, answer_of
 from plumbline.harness.trial.bench import Bench, rough_cost
 from plumbline.harness.trial.truth_cache import bounded, truth_of
 
@@ -87,7 +88,7 @@ def _fate(trial: Trial, case: Case, adapter: Adapter, number: int, folder: Path 
     case = case.put(plain.parameters)
     scene = plain.scene(case)
     start = member(scene, number, trial.settings.dt, turn=not scene.sensors) if _varies(case) else Member(scene, None)
-    answer = answer_of(plain, case, adapter, start.scene)
+    answer = answer_of(plain, case.problem(start.scene), adapter)
     actual = answer.actual
     end = float(actual.time[-1]) if len(actual) else 0.0
     if answer.broke is not None or not actual.finite:

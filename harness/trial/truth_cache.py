@@ -95,7 +95,9 @@ def _place(folder: Path | None, depends: Mapping[str, Any], kind: str = "npz") -
 
 def _laws(sources: Mapping[str, str] | None) -> list[str]:
     """The texts that closed forms, bounds and references are made by: of the case, the harness, the reference engine."""
-    return [] if sources is None else [sources.get(origin, "") for origin in ("case", "truth", "harness", "libraries")]
+    return (
+        [] if sources is None else [sources.get(origin, "") for origin in ("case", "truth", "stepping", "harness", "libraries")]
+    )
 
 
 def _damaged(kept: Path, error: Damaged) -> None:

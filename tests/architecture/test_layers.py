@@ -169,7 +169,7 @@ def test_a_script_in_the_vendor_s_words_uses_nothing_of_ours(path: Path) -> None
     assert not ours
     if path.stem.startswith("test_"):
         engine = path.stem.split("_")[1]
-        assert engine in ("bullet", "dart", "mujoco", "rapier", "sapien")
+        assert engine in ("bullet", "dart", "mujoco", "newton", "rapier", "sapien")
         assert f"pytestmark = pytest.mark.{engine}\n" in path.read_text(), "the mark that it is chosen by"
 
 

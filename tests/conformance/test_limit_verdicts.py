@@ -13,7 +13,8 @@ from plumbline.harness.study import plugins
 from plumbline.harness.study.experiment import Experiment, Limit
 from plumbline.harness.study.study import Study
 from plumbline.harness.study.trial import Trial
-from plumbline.harness.trial.accuracy import answer_of, run_trial
+from plumbline.harness.trial.accuracy import run_trial
+from plumbline.harness.trial.answer import answer_of
 from plumbline.harness.trial.ensemble import BROKE_BY, OWN_CHECKS, SIGN, endure
 from tests.conformance.engines import NAMES, adapter, why_unavailable
 
@@ -88,7 +89,7 @@ def test_at_the_easy_end_of_an_axis_of_blows_something_is_hit(name: str, engine:
     case = replace(CASES[name], with_contacts=True, sample_interval=0.0)
     trial = start(case, engine, track, 0.0, 1)
     try:
-        run = answer_of(trial, case, adapter(engine), trial.scene(case)).actual
+        run = answer_of(trial, trial.problem(case.put(trial.parameters)), adapter(engine)).actual
     except Unsupported as reason:
         pytest.skip(str(reason))
     assert pairs_met(case.scene(case.at(**trial.parameters)), run) >= 1

@@ -17,6 +17,7 @@ from plumbline.harness.store.journal import FolderTaken, read_written
 from plumbline.harness.store.store import Store
 from plumbline.harness.study import plugins, provenance, sources
 from plumbline.harness.study.study import Study
+from plumbline.harness.trial import answer
 from tests.conftest import PLUGINS, Command
 from tests.stress.ledger import Page
 from tests.stress.light_run import STUDY, carry_out, light
@@ -86,7 +87,7 @@ def edit(monkeypatch: pytest.MonkeyPatch, file: Path) -> None:
         (PLUGINS / "faulty.py", "runs anew 2: the adapter's source changed: faulty.py; the case's source changed: faulty.py"),
         (
             HARNESS / "trial" / "simulate.py",
-            "the harness that steps and measures changed: harness/trial/simulate.py",
+            "runs anew 2: the harness that steps changed: harness/trial/simulate.py",
         ),
         (
             HARNESS / "metrics" / "errors.py",
@@ -105,6 +106,63 @@ def test_a_changed_source_runs_its_trials_anew(
     assert words in capsys.readouterr().err
     unmixed(run)
     ledger.survived(FAMILY, f"{file.name} edited before a resume", "unmarked rows 0")
+
+
+def compared(store: Store) -> dict[str, Any]:
+    """The tables of a run, as words, without what differs from run to run: who clocked it, and that it was not simulated."""
+    trials = store.trials.drop(columns=["simulated_as"]).set_index("trial")
+    return {"trials": trials.to_csv(), "measurements": store.measurements.to_csv(), "samples": store.samples.to_csv()}
+
+
+def test_what_only_judges_is_edited_and_nothing_is_simulated(
+    run: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], ledger: Page
+) -> None:
+    first = Store(run).trials
+    edit(monkeypatch, HARNESS / "trial" / "truth_cache.py")
+    with monkeypatch.context() as patch:
+        patch.setattr(answer, "simulate", None)
+        patch.setattr(campaign, "clock_group", lambda *_, **__: pytest.fail("the clock is asked"))
+        again = carry_out(run)
+    assert "judges anew 2: the harness that measures changed: harness/trial/truth_cache.py" in capsys.readouterr().err
+    assert set(again.trials["simulated_as"]) == set(first["trial"])
+    assert not set(again.trials["trial"]) & set(first["trial"])
+    assert set(again.trials["motion"]) == set(first["motion"])
+    unmixed(run)
+    fresh = carry_out(tmp_path / "fresh")
+    assert set(fresh.trials["simulated_as"]) == {""}
+    assert compared(again) == compared(fresh)
+    for path in (tmp_path / "fresh" / "trajectories").iterdir():
+        assert (run / "trajectories" / path.name).read_bytes() == path.read_bytes()
+    ledger.survived(FAMILY, "a bound or metric edited before a resume", "simulated anew 0, other than a fresh run 0")
+
+
+def test_an_answer_that_was_judged_anew_is_judged_anew_once_more(run: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    first = set(Store(run).trials["trial"])
+    for name in ("truth_cache.py", "accuracy.py"):
+        with monkeypatch.context() as patch:
+            edit(patch, HARNESS / "trial" / name)
+            again = carry_out(run).trials
+        clear()
+        assert set(again["simulated_as"]) == first
+    assert set(carry_out(run).trials["simulated_as"]) == {""}  # the edits are taken back: the first records are
+
+
+@pytest.mark.parametrize("harm", ["a bit", "gone"])
+def test_a_kept_trajectory_that_is_damaged_is_never_judged(
+    harm: str, run: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], ledger: Page
+) -> None:
+    (damaged,) = (run / "trajectories").iterdir()  # both tracks of the falling engine answer alike
+    content = damaged.read_bytes()
+    damaged.write_bytes(content[:300] + bytes([content[300] ^ 1]) + content[301:])
+    if harm == "gone":
+        damaged.unlink()
+    edit(monkeypatch, HARNESS / "trial" / "truth_cache.py")
+    again = carry_out(run).trials
+    assert next(iter(again["simulated_as"])) == ""  # its run writes the file anew, which the other one then may be judged by
+    assert "runs anew 2: " in capsys.readouterr().err
+    assert damaged.read_bytes() == content
+    unmixed(run)
+    ledger.survived(FAMILY, f"a bound edited, a trajectory damaged ({harm})", "damaged answers judged 0")
 
 
 def test_an_edit_that_is_taken_back_brings_its_rows_back(run: Path, monkeypatch: pytest.MonkeyPatch, ledger: Page) -> None:

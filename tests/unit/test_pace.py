@@ -16,7 +16,8 @@ from plumbline.harness.study.study import load_study
 from plumbline.harness.study.trial import Trial
 from plumbline.harness.trajectory import State, Trajectory
 from plumbline.harness.trajectory.pace import PACES, Pace
-from plumbline.harness.trial.accuracy import answer_of, run_trial
+from plumbline.harness.trial.accuracy import run_trial
+from plumbline.harness.trial.answer import answer_of
 from plumbline.harness.trial.paced import paced
 from plumbline.harness.trial.simulate import simulate
 
@@ -102,7 +103,7 @@ def test_the_same_uneven_run_again_gives_the_same_bits_and_others_than_the_even_
     adapter = plugins.adapter(engine)
     even, uneven = _trial(engine), _trial(engine, pace="loaded")
     assert even.trial != uneven.trial
-    runs = [answer_of(trial, FALL, adapter, trial.scene(FALL)) for trial in (uneven, uneven, even)]
+    runs = [answer_of(trial, trial.problem(FALL), adapter) for trial in (uneven, uneven, even)]
     assert runs[0].actual.p_WB.tobytes() == runs[1].actual.p_WB.tobytes() != runs[2].actual.p_WB.tobytes()
     assert runs[0].steps == runs[2].steps == round(FALL.duration / DT)
     assert runs[0].resolved["pace"] == "loaded"

@@ -32,8 +32,7 @@ from plumbline.harness.study import plugins
 from plumbline.harness.study.experiment import Experiment
 from plumbline.harness.study.trial import Trial
 from plumbline.harness.trajectory import Trajectory
-from plumbline.harness.trajectory.pace import Pace
-from plumbline.harness.trial.accuracy import _stepped
+from plumbline.harness.trial.answer import answer_of
 from tests.robot_files import INERTIAL, imported, mjcf, row, urdf
 
 pytestmark = pytest.mark.usefixtures("mjcf_here")
@@ -127,7 +126,7 @@ def run_of(tmp_path: Path) -> tuple[Scene, Trajectory]:
         seed=0,
     )
     scene = case.scene(case.parameters)
-    return scene, _stepped(trial, case, adapter, scene, case.sample_interval, Pace(1 / 240)).actual
+    return scene, answer_of(trial, trial.problem(case), adapter).actual
 
 
 def test_ideal_readings_are_judged_by_the_motion_that_they_ride_on(tmp_path: Path) -> None:

@@ -91,7 +91,7 @@ def test_our_adapter_rests_on_the_whole_engine_and_another_on_none_of_it() -> No
 
 
 def test_what_finds_and_keeps_is_not_among_what_answers() -> None:
-    answering = provenance._harness()
+    answering = provenance._harness() | provenance._stepping()
     assert {
         "plumbline.harness.trial.accuracy",
         "plumbline.harness.trial.simulate",
@@ -108,7 +108,9 @@ def test_what_finds_and_keeps_is_not_among_what_answers() -> None:
         ("cases/impact_bounce.py", "case"),
         ("harness/metrics/impacts.py", "case"),
         ("adapters/mujoco/flags.py", "adapter"),
-        ("harness/trial/simulate.py", "harness"),
+        ("harness/trial/simulate.py", "stepping"),
+        ("harness/sensors/recorder.py", "stepping"),
+        ("harness/trial/truth_cache.py", "harness"),
     ],
 )
 def test_a_changed_file_changes_its_part_and_is_named(file: str, part: str, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,4 +1,4 @@
-"""What DART's joints have of dry friction, rotors and mimics, in dartpy's own words."""
+"""What DART's joints have of dry friction and rotors, in dartpy's own words."""
 
 import numpy as np
 import pytest
@@ -27,7 +27,6 @@ def test_coulomb_friction_of_a_joint_holds_to_its_bound_and_takes_all_of_it_beyo
     assert slide.getVelocity(0) == pytest.approx(max(share - 1, 0) * 3.0 / 2.0, abs=1e-9)
 
 
-def test_a_joint_has_no_rotor_and_is_not_told_whom_it_mimics() -> None:
+def test_a_joint_has_no_rotor() -> None:
     told = dir(dartpy.dynamics.RevoluteJoint)
     assert not [name for name in told if "rotor" in name.lower() or "armature" in name.lower()]
-    assert not [name for name in told if "mimic" in name.lower()]

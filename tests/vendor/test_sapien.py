@@ -248,3 +248,77 @@ def test_boxes_stacked_at_10_iterations_tremble_under_tgs_where_nothing_sleeps()
         speeds[tgs] = math.sqrt(np.mean(squares))
     physx.set_scene_config(enable_tgs=True)
     assert speeds[True] > 10 * speeds[False]
+
+
+def spun_on_a_patch(ball: float, ground: float, friction: float, tgs: bool = True) -> float:
+    """Torque over mu N [m] that brakes a ball of 0.1 m that spins on the spot. Args: radii [m] of the patches of both."""
+    scene, _ = world(enable_tgs=tgs)
+    material = sapien.physx.PhysxMaterial(friction, friction, 0.0)
+    floor, body = sapien.physx.PhysxRigidStaticComponent(), sapien.physx.PhysxRigidDynamicComponent()
+    for component, shape, radius in (
+        (floor, sapien.physx.PhysxCollisionShapePlane(material), ground),
+        (body, sapien.physx.PhysxCollisionShapeSphere(0.1, material), ball),
+    ):
+        shape.density, shape.min_patch_radius, shape.patch_radius = 0.0, radius, radius
+        component.attach(shape)
+    entity = sapien.Entity()
+    entity.add_component(floor)
+    entity.pose = sapien.Pose([0, 0, 0], [math.sqrt(0.5), 0, -math.sqrt(0.5), 0])
+    scene.add_entity(entity)
+    put(scene, body, (0.0, 0.0, 0.1), moments=0.004)
+    body.angular_damping = 0.0
+    for _ in range(24):
+        scene.step()
+    body.angular_velocity = [0.0, 0.0, 5.0]
+    rates = []
+    for _ in range(2):
+        for _ in range(12):
+            scene.step()
+        rates.append(float(body.angular_velocity[2]))
+    return (rates[0] - rates[1]) / 0.05 * 0.004 / (friction * G)
+
+
+@pytest.mark.parametrize(("ball", "ground"), [(0.01, 0.0), (0.0, 0.01), (0.01, 0.01), (0.01, 0.02), (0.02, 0.01)])
+@pytest.mark.parametrize("friction", [0.2, 0.5])
+def test_a_patch_of_contact_brakes_a_spin_by_the_larger_radius_times_mu_n(ball: float, ground: float, friction: float) -> None:
+    assert spun_on_a_patch(ball, ground, friction) == pytest.approx(max(ball, ground), rel=1e-3)
+
+
+def test_without_a_patch_or_under_pgs_nothing_does() -> None:
+    assert abs(spun_on_a_patch(0.0, 0.0, 0.5)) < 1e-5
+    assert abs(spun_on_a_patch(0.01, 0.01, 0.5, tgs=False)) < 1e-5
+
+
+@pytest.mark.parametrize("ratio", [1.0, 2.0, -1.0])
+def test_a_gear_ties_two_hinges(ratio: float) -> None:
+    """0.1 N m for a second on the first of two wheels of 0.1 kg m2, held on hinges by constraints: w2 = -ratio w1."""
+    scene, _ = world(gravity=(0.0, 0.0, 0.0))
+    wheels = []
+    for k in range(2):
+        wheel = physx.PhysxRigidDynamicComponent()
+        put(scene, wheel, (0.0, float(k), 0.0), moments=0.1)
+        hinge = physx.PhysxDriveComponent(wheel)
+        hinge.parent, hinge.pose_in_child, hinge.pose_in_parent = None, sapien.Pose(), sapien.Pose([0, k, 0])
+        for axis in "xyz":
+            getattr(hinge, f"set_limit_{axis}")(0, 0)
+        hinge.set_limit_cone(0, 0)
+        wheel.entity.add_component(hinge)
+        wheels.append(wheel)
+    gear = physx.PhysxGearComponent(wheels[1])
+    gear.parent, gear.gear_ratio = wheels[0], ratio
+    gear.pose_in_child = gear.pose_in_parent = sapien.Pose()
+    wheels[1].entity.add_component(gear)
+    gear.enable_hinges()
+    for _ in range(240):
+        wheels[0].add_force_torque([0, 0, 0], [0.1, 0, 0])
+        scene.step()
+    rates = [float(wheel.angular_velocity[0]) for wheel in wheels]
+    assert rates == pytest.approx([1 / (1 + ratio**2), -ratio / (1 + ratio**2)], rel=1e-3)
+
+
+@pytest.mark.parametrize("word", ["rolling", "ellipsoid", "combine", "ccd", "friction_anchor", "tangent", "sweep"])
+def test_no_shape_body_material_or_contact_has_such_a_word(word: str) -> None:
+    """`enable_ccd` is the scene's, and of bodies there is none."""
+    px = sapien.physx
+    kinds = (px.PhysxCollisionShape, px.PhysxRigidDynamicComponent, px.PhysxMaterial, px.PhysxContact, px.PhysxContactPoint)
+    assert not [name for kind in kinds for name in dir(kind) if word in name.lower()]

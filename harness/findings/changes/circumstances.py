@@ -36,7 +36,11 @@ def source_changes(pairs: Sequence[TrialPair]) -> Iterator[Change]:
     def about(row: Any, origin: str) -> dict[str, str]:
         return {"engine": row.engine if origin == "adapter" else "", "case": row.case if origin == "case" else ""}
 
-    return _counted("sources", pairs, lambda row: json.loads(getattr(row, "sources", "{}")), about, "")
+    def read(row: Any) -> dict[str, str]:
+        told = json.loads(getattr(row, "sources", "{}"))
+        return {origin: digest for origin, digest in told.items() if origin != "acting"}
+
+    return _counted("sources", pairs, read, about, "")
 
 
 def setting_changes(pairs: Sequence[TrialPair]) -> Iterator[Change]:

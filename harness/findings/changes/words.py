@@ -11,13 +11,8 @@ from plumbline.harness.findings.changes.values import Change, Changes, Judged, V
 from plumbline.harness.findings.steps_taken import step_in_words
 from plumbline.harness.metric.titles import metric_title
 from plumbline.harness.study.engine_versions import asked
+from plumbline.harness.study.sources import ORIGINS
 
-_ORIGINS = {
-    "adapter": "the adapter's source",
-    "case": "the case's source",
-    "harness": "the harness that steps and measures",
-    "truth": "the engine that makes the truth",
-}
 _TELLING = 1000.0
 """A ratio beyond this says only that an error was none before, or is none now."""
 _MEASURED = re.compile(r"\b[a-z][a-z0-9]*(?:_[a-z0-9]+)+(?= = )")
@@ -152,7 +147,7 @@ def sentence(row: Change) -> str:
         return f"{row.engine}: version {row.before}, now {row.after}."
     if row.kind == "sources":
         versions = f"{row.before or 'none'}, now {row.after or 'none'}"
-        return f"{subject or 'all'}: {_ORIGINS.get(row.metric, row.metric)} {versions} ({_many(row.count, 'trial')})."
+        return f"{subject or 'all'}: {ORIGINS.get(row.metric, row.metric)} {versions} ({_many(row.count, 'trial')})."
     if row.kind == "settings":
         return f"{subject}: {row.metric} {row.before}, now {row.after} ({_many(row.count, 'trial')})."
     return f"the machine: {row.metric} {row.before}, now {row.after}."
@@ -237,6 +232,6 @@ def _of_many(group: Sequence[Change]) -> str:
     }
     if first.kind == "sources":
         return (
-            f"{who}: {_ORIGINS.get(first.metric, first.metric)} changed for {_many(sum(row.count for row in group), 'trial')}."
+            f"{who}: {ORIGINS.get(first.metric, first.metric)} changed for {_many(sum(row.count for row in group), 'trial')}."
         )
     return f"{who}: {facts.get(first.kind, first.kind)}: {len(group)}, the first: {sentence(first)}"

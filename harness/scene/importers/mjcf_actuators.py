@@ -65,7 +65,8 @@ def read(model: Model, ctrl: Array) -> tuple[Servos, Servos, list[Fidelity], lis
         array = "jnt" if kind == "joint" else "tendon"
         whole = (-math.inf, math.inf)
         if model.arrays[f"{array}_actfrclimited"][number]:
-            whole = tuple(float(bound) for bound in model.arrays[f"{array}_actfrcrange"][number])
+            low, high = model.arrays[f"{array}_actfrcrange"][number]
+            whole = float(low), float(high)
         servo, names = _servo([law for _, law in acting], whole), [name for name, _ in acting]
         if servo is None or (kind == "tendon" and servo.push):
             strange += names

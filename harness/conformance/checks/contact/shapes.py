@@ -159,7 +159,7 @@ def triangle_mesh_is_not_its_hull(adapter: Adapter, settings: Settings) -> Findi
 def moving_mesh_is_its_faces(adapter: Adapter, settings: Settings) -> Finding:
     """Two blocks with a gap, one mesh and one body, set down astride a post that their hull would stand on.
 
-    Once on a plane with a post that is a box, once on one mesh of slab and post.
+    Once on a plane with a post that is a box, once on one mesh of slab and post, which may be refused.
     """
     blocks = TriangleMesh(vertices=TWO_BLOCKS[0], faces=TWO_BLOCKS[1])
     slab, post = box_mesh((1.0, 0.5, 0.1), (0.0, 0.0, -0.1)), box_mesh((0.2, 0.1, 0.2), (0.0, 0.0, 0.2))
@@ -174,7 +174,13 @@ def moving_mesh_is_its_faces(adapter: Adapter, settings: Settings) -> Finding:
     body = Body(name="blocks", inertia=inertia, collision=(PlacedShape(shape=blocks),), material="block", p_WB=(0.0, 0.0, 0.3))
     found = []
     for name, bodies in floors.items():
-        end = final(adapter, Scene(bodies=(*bodies, body), surfaces=(ground(0.5),)), settings.with_dt(FINE), 0.25)
+        scene = Scene(bodies=(*bodies, body), surfaces=(ground(0.5),))
+        try:
+            end = final(adapter, scene, settings.with_dt(FINE), 0.25)
+        except Unsupported:
+            if not found:
+                raise
+            continue
         found += [
             near(f"height of the blocks on {name} [m]", end.p_WB[-1, 2], 0.3, 3e-3, "a mesh that moves is not its hull"),
             near(f"turned on {name} [rad]", angle_between(end.q_WB[-1], _UPRIGHT), 0.0, 0.01, "it stands on both"),

@@ -1,0 +1,145 @@
+"""A scene becomes a model of Newton and a solver: everything in its order."""
+
+from typing import Any
+
+from plumbline.adapters.newton.bodies import Bodies
+from plumbline.adapters.newton.joints import Joints
+from plumbline.adapters.newton.many_worlds import Layout, NewtonWorlds
+from plumbline.adapters.newton.options import resolved_settings
+from plumbline.adapters.newton.simulation import NewtonSimulation, World
+from plumbline.adapters.newton.stepper import NoContacts, Stepper
+from plumbline.adapters.newton.surfaces import numbers_of, rebounds
+from plumbline.adapters.newton.vendor import Vendor, mujoco_solver
+from plumbline.harness.adapter import Notice, Settings
+from plumbline.harness.adapter.distance_springs import DistanceSprings, is_distance_spring
+from plumbline.harness.scene import Effect, Scene
+
+VENDOR_TIME_CONSTANT = 0.02
+"""Of MuJoCo's contacts [s]."""
+LIMIT_DAMPING_RATIO, LIMIT_IMPEDANCE = 1.7, 0.999
+"""Of joint limits, as `adapters.mujoco` measured them to rebound least."""
+RAW = 1
+"""Newton's word for a softness that is told in MuJoCo's own numbers."""
+_SOFT = (2.5e3, 100.0)
+"""Newton's ke and kd of shapes, which are a time constant of .02 s and a damping ratio of 1."""
+
+
+def build(vendor: Vendor, scene: Scene, settings: Settings) -> NewtonSimulation:
+    """Exactly this scene under these settings. Raises: Unsupported, SettingsError."""
+    effects, used = scene.effects, _resolved(scene, settings)
+    builder, bodies, joints = _told(vendor, scene, used)
+    model = builder.finalize(device="cpu")
+    moving = _solver(vendor, model, used, effects) if model.body_count else None
+    world = World(vendor, model, moving, bodies.links, bodies.owners, joints.driven, _pipeline(vendor, model, used, effects))
+    if Effect.JOINTS in effects:
+        world.springs = DistanceSprings.of(scene, scene.joints, used.substep)
+    world.notices += _notices(scene, effects)
+    return NewtonSimulation(scene, used, world)
+
+
+def together(scene: Scene) -> bool:
+    """Can many worlds of a scene be one model? Not where an adapter has to do something in each sub-step."""
+    led = any(body.motion == "kinematic" or body.mass_point for body in scene.bodies)
+    sprung = Effect.JOINTS in scene.effects and any(is_distance_spring(joint) for joint in scene.joints)
+    return not (led or sprung) and any(body.movable for body in scene.bodies)
+
+
+def build_worlds(vendor: Vendor, scene: Scene, settings: Settings, count: int) -> NewtonWorlds:
+    """`count` worlds of this scene in one model. Raises: Unsupported, SettingsError."""
+    effects, used = scene.effects, _resolved(scene, settings)
+    one, bodies, joints = _told(vendor, scene, used)
+    builder = _builder(vendor, scene)
+    builder.replicate(one, count)
+    model = builder.finalize(device="cpu")
+    pipeline = _pipeline(vendor, model, used, effects)
+    stepper = Stepper(vendor, model, _solver(vendor, model, used, effects), pipeline, used.substep)
+    return NewtonWorlds(scene, used, stepper, Layout(count, bodies.links, joints.driven), tuple(_notices(scene, effects)))
+
+
+def _resolved(scene: Scene, settings: Settings) -> Settings:
+    return resolved_settings(settings, "xpbd" if rebounds(scene) else "mujoco")
+
+
+def _builder(vendor: Vendor, scene: Scene) -> Any:
+    """A model that is to be made."""
+    builder = vendor.newton.ModelBuilder(gravity=scene.gravity if Effect.GRAVITY in scene.effects else (0.0, 0.0, 0.0))
+    builder.balance_inertia = False
+    vendor.newton.solvers.SolverMuJoCo.register_custom_attributes(builder)
+    return builder
+
+
+def _told(vendor: Vendor, scene: Scene, used: Settings) -> tuple[Any, Bodies, Joints]:
+    """All of a scene, in a model that is to be made. Raises: Unsupported."""
+    builder, solver = _builder(vendor, scene), str(used.solver)
+    bodies = Bodies(vendor, builder, scene, solver, numbers_of(scene, solver), _softness(used))
+    bodies.put()
+    joints = Joints(bodies, solver, _held(used))
+    joints.put()
+    bodies.keep_apart()
+    return builder, bodies, joints
+
+
+def _pipeline(vendor: Vendor, model: Any, used: Settings, effects: Effect) -> Any:
+    """What finds contacts for XPBD; MuJoCo-Warp finds its own."""
+    if used.solver != "xpbd":
+        return None
+    return vendor.newton.CollisionPipeline(model) if Effect.CONTACT in effects else NoContacts()
+
+
+def _softness(used: Settings) -> tuple[float, float]:
+    """(ke, kd) of contacts: of MuJoCo's time constant t and damping ratio z Newton makes kd = 2/t and ke = 1/(t z)^2."""
+    steps = used.options.get("contact_steps")
+    if steps is None:
+        return _SOFT
+    t = max(2.0 * used.substep, min(steps * used.substep, VENDOR_TIME_CONSTANT))
+    return 1.0 / (t * used.options["contact_damping_ratio"]) ** 2, 2.0 / t
+
+
+def _held(used: Settings) -> dict[str, Any]:
+    """How stiffly limits and dry friction hold a coordinate, by MuJoCo's attributes of one; nothing for Newton's own."""
+    steps = used.options.get("limit_steps")
+    if steps is None:
+        return {}
+    t, stiff = min(steps * used.substep, VENDOR_TIME_CONSTANT), (LIMIT_IMPEDANCE, LIMIT_IMPEDANCE, 0.001, 0.5, 2.0)
+    return {
+        "mujoco:solreflimit": [(t, LIMIT_DAMPING_RATIO)],
+        "mujoco:solreflimit_mode": [RAW],
+        "mujoco:solimplimit": [stiff],
+        "mujoco:solreffriction": [(t, 1.0)],
+        "mujoco:solimpfriction": [stiff],
+    }
+
+
+def _solver(vendor: Vendor, model: Any, used: Settings, effects: Effect) -> Any:
+    options = used.options
+    if used.solver == "xpbd":
+        return vendor.newton.solvers.SolverXPBD(
+            model,
+            iterations=used.iterations,
+            rigid_contact_relaxation=options["contact_relaxation"],
+            rigid_contact_con_weighting=options["contact_weighting"],
+            rigid_contact_restitution_iterations=options["restitution_iterations"],
+            enable_restitution=Effect.RESTITUTION in effects,
+        )
+    return mujoco_solver(
+        vendor.newton,
+        model,
+        iterations=used.iterations,
+        integrator=used.integrator,
+        cone=options["cone"],
+        impratio=options["impratio"],
+        disable_contacts=Effect.CONTACT not in effects,
+        kinematic_switchable_roots=False,
+    )
+
+
+def _notices(scene: Scene, effects: Effect) -> list[Notice]:
+    """What is computed although the scene does not call for it, and what is not although it does."""
+    notices, movable = [], [body for body in scene.bodies if body.movable]
+    if Effect.CONTINUOUS_COLLISION in effects:
+        text = "continuous collision: Newton's solvers have none"
+        notices.append(Notice(text, "missing", Effect.CONTINUOUS_COLLISION))
+    uneven = any(body.inertia[0][0] != body.inertia[1][1] or body.inertia[1][1] != body.inertia[2][2] for body in movable)
+    if Effect.GYROSCOPIC not in effects and uneven:
+        notices.append(Notice("gyroscopic terms, for which Newton offers no switch", "surplus", Effect.GYROSCOPIC))
+    return notices

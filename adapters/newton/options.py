@@ -1,0 +1,57 @@
+"""The options: which values they may have, and the vendor's."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+from plumbline.harness.adapter import Settings, SettingsError
+from plumbline.harness.adapter.checked_options import Between, checked_options
+
+SOLVERS = ("mujoco", "xpbd")
+INTEGRATORS = {"mujoco": ("implicitfast", "euler", "rk4"), "xpbd": ("semi_implicit_euler",)}
+"""By solver, the vendor's first."""
+ITERATIONS = {"mujoco": 100, "xpbd": 2}
+KNOWN: Mapping[str, Sequence[Any] | Between] = {
+    "cone": ("pyramidal", "elliptic"),
+    "impratio": Between(1.0, 1e4),
+    "contact_steps": Between(0.5, 1e4),
+    "contact_damping_ratio": Between(0.1, 10.0),
+    "limit_steps": Between(0.5, 1e4),
+    "contact_relaxation": Between(1e-3, 1.0),
+    "contact_weighting": (True, False),
+    "restitution_iterations": (1, 2, 4, 8, 16),
+}
+"""cone, impratio: of MuJoCo-Warp's friction. contact_steps: the time constant of its contacts in steps, at most the vendor's;
+contact_damping_ratio: of them. limit_steps: of its joint limits. contact_relaxation, contact_weighting: the share of each
+contact's correction that XPBD takes, and whether it is divided by the contacts of a body. restitution_iterations: of XPBD."""
+_VENDOR: Mapping[str, Mapping[str, Any]] = {
+    "mujoco": {"cone": "pyramidal", "impratio": 1.0, "contact_steps": None, "contact_damping_ratio": 1.0, "limit_steps": None},
+    "xpbd": {"contact_relaxation": 0.8, "contact_weighting": True, "restitution_iterations": 2},
+}
+
+
+def resolved_settings(settings: Settings, fits: str) -> Settings:
+    """The settings with the vendor's values where they leave something open. Raises: SettingsError.
+
+    Options of the other solver than that which is used are left out. Args: fits: the solver where none is told.
+    """
+    solver = settings.solver or fits
+    integrators = INTEGRATORS.get(solver, ("",))
+    integrator = settings.integrator or integrators[0]
+    if integrator not in integrators and solver in SOLVERS:
+        # An integrator of the other solver that was told without one says nothing here.
+        told = settings.solver is not None or all(integrator not in known for known in INTEGRATORS.values())
+        if told:
+            expected = " or ".join(map(repr, integrators))
+            raise SettingsError(f"settings: integrator '{integrator}', expected {expected} of solver '{solver}'")
+        integrator = integrators[0]
+    chosen = checked_options("Newton", replace(settings, integrator=None), KNOWN, integrator, SOLVERS)
+    vendor = _VENDOR[solver]
+    return replace(
+        settings,
+        substeps=settings.substeps or 1,
+        iterations=settings.iterations or ITERATIONS[solver],
+        integrator=integrator,
+        solver=solver,
+        options={name: value if chosen[name] is None else chosen[name] for name, value in vendor.items()},
+    )

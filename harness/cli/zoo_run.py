@@ -1,55 +1,20 @@
 """Running the zoo: its packages, each robot taken in, then the study of those that go in."""
 
 import time
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from plumbline.harness.cli.guard import INTERRUPTED, USAGE, check_words, fail_for, say, stop
-from plumbline.harness.run.known_results import Guide
 
 if TYPE_CHECKING:
     from plumbline.harness.adapter import Adapter
-    from plumbline.harness.run.interrupt import UnderWay
-    from plumbline.harness.store.record import Record
     from plumbline.harness.store.store import Store
-    from plumbline.harness.study.trial import Trial
     from plumbline.harness.study.zoo.robots import Robot
 
 
 ZOO = "zoo"
 """The study, and the folder that it is run into unless another is named."""
-
-
-class RobotByRobot(Guide):
-    """The zoo goes robot by robot, as many at a time as there are workers: broken off, it has whole robots.
-
-    Terms: end [s]: on the monotonic clock. cases: in their order.
-    """
-
-    sitting = 5.0
-
-    def __init__(self, cases: Collection[str], at_once: int, end: float) -> None:
-        self._cases, self._at_once, self._end, self.over = cases, at_once, end, False
-
-    def end(self) -> float:
-        """When its time is up."""
-        return self._end
-
-    def batches(self, trials: "Sequence[Trial]") -> "Iterator[list[Trial]]":
-        """Some robots after the others."""
-        from plumbline.harness.study.zoo.study import robot_by_robot
-
-        return robot_by_robot(trials, self._cases, self._at_once)
-
-    def broken_off(self, under_way: "Sequence[UnderWay]") -> None:
-        """The time was up."""
-        del under_way
-        self.over = True
-
-    def asked(self, trials: Collection[str], records: "Mapping[str, Record]") -> Collection[str]:
-        """What was answered, where the time was up: --resume goes on with the rest."""
-        return [trial for trial in trials if trial in records] if self.over else trials
 
 
 def zoo_robots(globs: Sequence[str], agreed: bool) -> "list[Robot]":
@@ -68,13 +33,13 @@ def zoo_robots(globs: Sequence[str], agreed: bool) -> "list[Robot]":
         except NotMade as error:
             raise PlumblineError(f"the packages of the zoo were not installed: {error}") from None
     zoo_packages.look()
-    found = chosen(robots(), globs)
-    if not any(robot.version for robot in found):
+    wanted = chosen(robots(), globs)
+    if not any(robot.version for robot in wanted):
         raise PlumblineError(
             f"none of the packages of the zoo is installed: add --yes to install them ({zoo_packages.PRICE}) in a folder of "
             "their own, or: pip install 'plumbline[zoo]'"
         )
-    return found
+    return wanted
 
 
 def run_zoo(
@@ -130,6 +95,7 @@ def carried_out(
     """
     from plumbline.harness.run.campaign import carry_out
     from plumbline.harness.run.interrupt import until
+    from plumbline.harness.run.robot_by_robot import RobotByRobot
     from plumbline.harness.run.zoo_intake import taken_in
     from plumbline.harness.store.journal import FolderTaken
     from plumbline.harness.study import plugins

@@ -14,7 +14,7 @@ from plumbline.harness.store import zoo_record
 from plumbline.harness.store.zoo_record import Entry
 from plumbline.harness.study import plugins, sources
 from plumbline.harness.study.zoo.robots import Robot, at_hand
-from plumbline.harness.study.zoo.taking_in import take_in
+from plumbline.harness.study.zoo.taking_in import take_in, unread
 
 
 def taken_in(folder: Path, robots: Sequence[Robot], engines: Sequence[str], workers: int) -> list[Entry]:
@@ -22,14 +22,14 @@ def taken_in(folder: Path, robots: Sequence[Robot], engines: Sequence[str], work
 
     Whose publisher could not be reached once is not asked again for the rest of a package. Raises: OSError.
     """
-    known = {entry.name: entry for entry in zoo_record.entries(folder)}
+    entries = {entry.name: entry for entry in zoo_record.entries(folder)}
     keys = {robot.name: key for robot, key in zip(robots, _keys(robots, engines), strict=True)}
-    new = [robot for robot in robots if not _holds(folder, known.get(robot.name), keys[robot.name])]
+    new = [robot for robot in robots if not _holds(folder, entries.get(robot.name), keys[robot.name])]
     unreached: dict[str, str] = {}
 
     def take(robot: Robot) -> Entry:
         if robot.package in unreached and not at_hand(robot):
-            return replace(_unread(robot, keys[robot.name]), reason=unreached[robot.package])
+            return replace(unread(robot, keys[robot.name]), reason=unreached[robot.package])
         entry = take_in(folder, robot, engines, keys[robot.name])
         if entry.stage == "not here":
             unreached.setdefault(robot.package, entry.reason)
@@ -39,7 +39,7 @@ def taken_in(folder: Path, robots: Sequence[Robot], engines: Sequence[str], work
         try:
             for entry in side_by_side.map(take, new):
                 zoo_record.write(folder, entry)
-                known[entry.name] = entry
+                entries[entry.name] = entry
                 progress.advance(f"{entry.name} {entry.stage}")
         except BaseException:
             side_by_side.shutdown(wait=False, cancel_futures=True)
@@ -47,23 +47,11 @@ def taken_in(folder: Path, robots: Sequence[Robot], engines: Sequence[str], work
                 with suppress(psutil.Error):
                     child.kill()
             raise
-    return [known[robot.name] for robot in robots]
-
-
-def _unread(robot: Robot, key: str) -> Entry:
-    return Entry(
-        name=robot.name,
-        title=robot.title,
-        package=robot.package,
-        version=robot.version,
-        licence=robot.licence,
-        file=robot.file,
-        key=key,
-    )
+    return [entries[robot.name] for robot in robots]
 
 
 def _holds(folder: Path, entry: Entry | None, key: str) -> bool:
-    """Is what is known of a robot still so? What was not on this machine may be by now."""
+    """Does an entry still hold? What was not on this machine may be by now."""
     if entry is None or entry.key != key or entry.stage == "not here":
         return False
     return not entry.scene or (folder / entry.scene).is_file()

@@ -12,11 +12,14 @@ from pathlib import Path
 from plumbline.harness.intake.bounded import bounded
 from plumbline.harness.intake.user_cache import is_ours, make_ours
 from plumbline.harness.run.make_environment import NotMade, last_error
+from plumbline.harness.store import disk
 from plumbline.harness.study import zoo
 from plumbline.harness.study.environments import root
 
 LOCK = Path(zoo.__file__).with_name("requirements.lock")
 PRICE = "340 MB, a minute"
+_WHOLE = "installed.lock"
+"""What stands in the folder once all of them are there."""
 _INSTALLS = 900.0
 """Seconds that installing may take."""
 
@@ -28,23 +31,21 @@ def folder() -> Path:
 
 def look() -> None:
     """Have this process, and those that it starts, find what was installed there; a folder of somebody else's is left alone."""
-    if is_ours(folder()) and str(folder()) not in sys.path:
+    if is_ours(folder() / _WHOLE) and str(folder()) not in sys.path:
         sys.path.append(str(folder()))
 
 
 def install() -> None:
     """Install them there by their hashes, unless they are there. Raises: NotMade, OSError."""
-    if is_ours(folder()):
-        look()
-        return
-    draft = folder().with_suffix(".draft")
-    shutil.rmtree(draft, ignore_errors=True)
-    draft.parent.mkdir(parents=True, exist_ok=True)
-    uv = shutil.which("uv")
-    pip = [uv, "pip", "install", "--quiet"] if uv else [sys.executable, "-m", "pip", "install", "--quiet", "--no-input"]
-    ended = bounded([*pip, "--no-deps", "--require-hashes", "--target", str(draft), "-r", str(LOCK)], _INSTALLS)
-    if ended.code != 0:
-        raise NotMade(last_error(ended.err.decode("utf-8", "replace")) or f"pip {ended.how}")
-    draft.rename(folder())
-    make_ours(folder())
+    if not is_ours(folder() / _WHOLE):
+        shutil.rmtree(folder(), ignore_errors=True)
+        folder().parent.mkdir(parents=True, exist_ok=True)
+        uv = shutil.which("uv")
+        pip = [uv, "pip", "install", "--quiet"] if uv else [sys.executable, "-m", "pip", "install", "--quiet", "--no-input"]
+        ended = bounded([*pip, "--no-deps", "--require-hashes", "--target", str(folder()), "-r", str(LOCK)], _INSTALLS)
+        if ended.code != 0:
+            raise NotMade(last_error(ended.err.decode("utf-8", "replace")) or f"pip {ended.how}")
+        disk.write_atomically(folder() / _WHOLE, LOCK.read_bytes())
+        for path in (folder(), folder() / _WHOLE):
+            make_ours(path)
     look()

@@ -3,16 +3,19 @@
 A robot that does not go in has a row without an engine, with its reason.
 """
 
-import json
-from collections.abc import Iterator, Mapping, Sequence
+import math
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import PurePath
 from typing import Any
 
 from plumbline.harness.case.own_titles import OWN
 from plumbline.harness.findings.agreement.costs import WITHIN
+from plumbline.harness.findings.agreement.found import agreements, errors_of
+from plumbline.harness.findings.agreement.omissions import omissions
+from plumbline.harness.findings.agreement.setting_causes import settings_turned
+from plumbline.harness.findings.agreement.values import Agreement, Side
 from plumbline.harness.findings.columns import Column, Row, Table, names, plain
-from plumbline.harness.findings.tables import agreement, causes
 from plumbline.harness.store.store import Store
 from plumbline.harness.store.zoo_record import Entry, InEngine, Stage, entries
 
@@ -62,23 +65,14 @@ class InZoo:
 
 def in_zoo(store: Store) -> list[InZoo]:
     """All robots of a zoo with all engines; nothing of a folder that is none's."""
-    found = list(entries(store.folder))
-    if not found:
+    taken_in = list(entries(store.folder))
+    if not taken_in:
         return []
-    verdicts = agreement.TABLE.rows(store)
-    turned = {
-        (row["case"], row["engine"], row["track"]): f"{row['setting']} = {row['value']}"
-        for row in causes.TABLE.rows(store)
-        if row["cause"]
-    }
-    by_scene = {case_key(row["case"]): row["case"] for row in verdicts}
+    judged = {case_key(each.case): each for each in agreements(store)}
     rows: list[InZoo] = []
-    for entry in found:
-        case = by_scene.get(case_key(entry.scene), "") if entry.scene else ""
-        mine = [row for row in verdicts if case and row["case"] == case]
-        rows += [_row(entry, case, each, _counted(each.engine, mine), turned) for each in entry.engines] or [
-            InZoo(**_about(entry), reason=entry.reason)
-        ]
+    for entry in taken_in:
+        agreement = judged.get(case_key(entry.scene)) if entry.scene else None
+        rows += [_row(store, entry, each, agreement) for each in entry.engines] or [InZoo(**_about(entry), reason=entry.reason)]
     return rows
 
 
@@ -96,39 +90,45 @@ def _about(entry: Entry) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _counted(engine: str, rows: Sequence[Row]) -> Row | None:
-    """The row of an engine's tuned track, of another one where that gave no answer."""
-    mine = sorted(
-        (row for row in rows if row["engine"] == engine), key=lambda row: (row["verdict"] not in RUNS, row["track"] != "tuned")
-    )
-    return mine[0] if mine else None
-
-
-def _row(entry: Entry, case: str, engine: InEngine, found: Row | None, turned: Mapping[tuple[str, str, str], str]) -> InZoo:
-    about = _about(entry) | {"case": case, "engine": engine.engine, "drops": " ".join(engine.drops)}
+def _row(store: Store, entry: Entry, engine: InEngine, agreement: Agreement | None) -> InZoo:
+    about = _about(entry) | {"engine": engine.engine, "drops": " ".join(engine.drops)}
+    if agreement is not None:
+        about["case"] = agreement.case
     if engine.verdict != "can":
         return InZoo(**about, reason=f"{engine.verdict}: {engine.reason}")
-    if found is None:
+    side = None if agreement is None else _counted(engine.engine, agreement)
+    if agreement is None or side is None:
         return InZoo(**about, enters=True)
+    lost = next((each for each in omissions(store, agreement) if each.engine == engine.engine), None)
+    mine = (side.engine, side.track)
+    causes = (each for each in settings_turned(store, agreement) if each.cause and (each.engine, each.track) == mine)
     return InZoo(
         **about,
         enters=True,
-        reason=found["why"],
-        track=found["track"],
-        verdict=found["verdict"],
-        away=found["distance"],
-        bar=found["bar"],
-        cost=_price(found),
-        cause=turned.get((case, engine.engine, found["track"]), ""),
-        omission=found["omission"],
-        omission_until=found["omission_until"],
+        reason=side.why,
+        track=side.track,
+        verdict=side.word,
+        away=side.distance,
+        bar=side.limit.bar_at(side.limit.until) if side.limit.bar is not None and side.limit.until > 0 else None,
+        cost=_price(store, side),
+        cause=next((f"{each.setting} = {each.value}" for each in causes), ""),
+        omission=None if lost is None else lost.position,
+        omission_until=None if lost is None or lost.position is None else lost.until,
     )
 
 
-def _price(found: Row) -> float | None:
+def _counted(engine: str, agreement: Agreement) -> Side | None:
+    """The tuned track of an engine; another one where that gave no answer."""
+    mine = [side for side in agreement.sides if side.engine == engine]
+    return min(mine, key=lambda side: (side.word not in RUNS, side.track != "tuned"), default=None)
+
+
+def _price(store: Store, side: Side) -> float | None:
     """The least that a run costs that errs by a hundredth of the size or less."""
-    pairs = zip(json.loads(found["errors"]), json.loads(found["costs"]), strict=True)
-    return min((cost for error, cost in pairs if error is not None and cost is not None and error <= WITHIN), default=None)
+    errors = errors_of(store)
+    costs = dict(zip(store.trials["trial"], store.trials["cpu_per_sim_s"], strict=True))
+    near = [rung.trial for rung in side.limit.rungs if (each := errors.get(rung.trial)) is not None and each.error <= WITHIN]
+    return min((float(cost) for trial in near if not math.isnan(cost := float(costs.get(trial) or math.nan))), default=None)
 
 
 def _sentences(rows: Sequence[Row]) -> list[str]:

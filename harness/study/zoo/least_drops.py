@@ -38,16 +38,16 @@ def least_for(engine: str, scenes: Mapping[Drops, Scene]) -> tuple[Verdict, list
     Args: scenes: by what they leave out, one for each set of some kinds. Returns: the verdict, what is left out, and why an
     engine cannot, or what it says of the scene with nothing left out.
     """
-    said: dict[Drops, tuple[Literal["can", "cannot", "unavailable", "failed"], str]] = {}
+    answers: dict[Drops, tuple[Literal["can", "cannot", "unavailable", "failed"], str]] = {}
 
     def works(drops: Drops) -> bool:
-        if drops not in said:
-            said[drops] = expressed(engine, scenes[drops])
-        return said[drops][0] == "can"
+        if drops not in answers:
+            answers[drops] = expressed(engine, scenes[drops])
+        return answers[drops][0] == "can"
 
     everything = max(scenes, key=len)
     drops = least(works, everything)
     if drops is None:
-        verdict, reason = said[everything]
+        verdict, reason = answers[everything]
         return verdict, [], reason
-    return "can", sorted(drops), said[frozenset()][1] if drops else ""
+    return "can", sorted(drops), answers[frozenset()][1] if drops else ""

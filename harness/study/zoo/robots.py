@@ -121,27 +121,27 @@ def menagerie() -> list[Robot]:
 
 def version_of(package: str) -> str:
     """The installed version of a package; '' where it is not installed."""
-    found = _distribution(package)
-    return "" if found is None else found.version
+    installed = _distribution(package)
+    return "" if installed is None else installed.version
 
 
 def file_of(robot: Robot) -> Path:
     """Where the robot's file lies. Raises: NotHere."""
     if robot.package == MENAGERIE:
         return _fetched(robot.file)
-    found = _distribution(robot.package)
-    if found is None:
+    installed = _distribution(robot.package)
+    if installed is None:
         raise NotHere(f"{robot.package} is not installed: --yes installs it, or pip install 'plumbline[zoo]'")
-    path = Path(str(found.locate_file(robot.file)))
+    path = Path(str(installed.locate_file(robot.file)))
     if not path.is_file():
-        raise NotHere(f"{robot.package} {found.version} has no file {robot.file}")
+        raise NotHere(f"{robot.package} {installed.version} has no file {robot.file}")
     return path
 
 
 def roots_of(robot: Robot) -> dict[str, Path]:
     """Where package://NAME leads to, by its name, for the files of a package that is installed."""
-    found = _distribution(robot.package)
-    return {} if found is None else {name: Path(str(found.locate_file(folder))) for name, folder in robot.roots.items()}
+    installed = _distribution(robot.package)
+    return {} if installed is None else {name: Path(str(installed.locate_file(folder))) for name, folder in robot.roots.items()}
 
 
 def at_hand(robot: Robot) -> bool:
@@ -176,6 +176,6 @@ def chosen(all_robots: Sequence[Robot], globs: Sequence[str]) -> list[Robot]:
 
     for glob in globs:
         if not any(fnmatchcase(robot.name, glob) for robot in all_robots):
-            known = f"expected a pattern over names like {all_robots[0].name}"
-            raise PlumblineError(f"--case {quoted(glob)} names no robot of the zoo, {known}")
+            example = f"expected a pattern over names like {all_robots[0].name}"
+            raise PlumblineError(f"--case {quoted(glob)} names no robot of the zoo, {example}")
     return [robot for robot in all_robots if not globs or any(fnmatchcase(robot.name, glob) for glob in globs)]

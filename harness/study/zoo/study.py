@@ -1,11 +1,8 @@
 """The study of a zoo: a ladder of time steps for each robot that goes in, on both tracks of every engine."""
 
-from collections.abc import Collection, Iterator, Sequence
-
 from plumbline.harness.case.scene_file import LADDER
 from plumbline.harness.study.experiment import Experiment, Refinement
 from plumbline.harness.study.study import Study
-from plumbline.harness.study.trial import Trial
 
 NAME = "zoo"
 BUDGET = 5400.0
@@ -29,12 +26,3 @@ def study_of() -> Study:
         recordings=False,
         experiments=(ladder,),
     )
-
-
-def robot_by_robot(trials: Sequence[Trial], order: Collection[str], at_once: int) -> Iterator[list[Trial]]:
-    """The trials of so many robots at a time: what is broken off has whole robots."""
-    names = list(order)
-    for first in range(0, len(names), at_once):
-        mine = set(names[first : first + at_once])
-        if batch := [trial for trial in trials if trial.case in mine]:
-            yield batch

@@ -12,7 +12,7 @@ from pathlib import Path
 from plumbline.harness.case.undropped import KINDS
 from plumbline.harness.intake.apart import NoAnswer, apart
 from plumbline.harness.intake.error import PlumblineError
-from plumbline.harness.intake.import_wishes import DROPPABLE, Drop, Wishes
+from plumbline.harness.intake.import_wishes import Wishes
 from plumbline.harness.intake.refusal import RobotError
 from plumbline.harness.scene import Prismatic, Revolute, Scene
 from plumbline.harness.scene.importers.companion import Companion
@@ -31,7 +31,7 @@ from plumbline.harness.study.zoo.robots import NotHere, Robot, file_of, roots_of
 
 PATIENCE = 600.0
 """Seconds that a file may take to be read, its meshes among them."""
-WORDED = frozenset((*KINDS.values(), "self_collision"))
+WORDED = frozenset((*KINDS.values(), "self_collision", "tendon"))
 """What a scene has words for and not every engine can express."""
 DURATION = 1.0
 """Seconds of a run."""
@@ -42,7 +42,19 @@ def take_in(folder: Path, robot: Robot, engines: Sequence[str], key: str) -> Ent
 
     Args: engines: names of those that are asked. key: what the answer rests on.
     """
-    about = Entry(
+    about = unread(robot, key)
+    try:
+        stage, fields = apart(tuple[Stage, dict[str, object]], PATIENCE, read_apart, folder, robot, tuple(engines))
+    except NoAnswer as error:
+        return replace(about, stage="not read", reason=str(error))
+    if stage != "in":
+        return replace(about, stage=stage, reason=str(fields["reason"]))
+    return Entry.of({**about.plain(), "stage": "in", **fields})
+
+
+def unread(robot: Robot, key: str) -> Entry:
+    """The entry of a robot of which nothing is known but what its package says."""
+    return Entry(
         name=robot.name,
         title=robot.title,
         package=robot.package,
@@ -51,13 +63,6 @@ def take_in(folder: Path, robot: Robot, engines: Sequence[str], key: str) -> Ent
         file=robot.file,
         key=key,
     )
-    try:
-        stage, fields = apart(tuple[Stage, dict[str, object]], PATIENCE, read_apart, folder, robot, tuple(engines))
-    except NoAnswer as error:
-        return replace(about, stage="not read", reason=str(error))
-    if stage != "in":
-        return replace(about, stage=stage, reason=str(fields["reason"]))
-    return Entry.of({**about.plain(), "stage": "in", **fields})
 
 
 def read_apart(folder: Path, robot: Robot, engines: Sequence[str]) -> tuple[Stage, dict[str, object]]:
@@ -70,7 +75,7 @@ def read_apart(folder: Path, robot: Robot, engines: Sequence[str]) -> tuple[Stag
         read, scenario, needed, kinds = _read(path, robot)
         verdicts = [_in_engine(engine, {drops: read[needed | drops].scene for drops in subsets(kinds)}) for engine in engines]
     except PlumblineError as error:
-        return "refused", {"reason": str(error)}
+        return "refused", {"reason": str(error).replace(f"{path.parent}/", "")}
     admitted = [each for each in verdicts if each.verdict == "can"]
     if not admitted:
         return "no engine", {"reason": "; ".join(f"{each.engine}: {each.reason}" for each in verdicts)}
@@ -114,8 +119,7 @@ class _Reads:
         return True
 
     def _import(self, drops: Drops, *, looks: bool) -> Imported:
-        kinds: frozenset[Drop] = frozenset(kind for kind in DROPPABLE if kind in drops)
-        return imported(self._robot, self._companion, replace(self._wishes, drop=kinds, looks=looks))
+        return imported(self._robot, self._companion, replace(self._wishes, drop=drops, looks=looks))
 
 
 def _read(path: Path, robot: Robot) -> tuple[_Reads, str, Drops, frozenset[str]]:
@@ -140,7 +144,7 @@ def kinds_of(scene: Scene) -> Drops:
     kinds = {kind for field, kind in KINDS.items() if any(getattr(joint, field) for joint in joints)}
     touching = [body for body in scene.bodies if body.movable and body.collision]
     within = any(scene.collides(a, b) for a, b in combinations(touching, 2))
-    return frozenset(kinds | ({"self_collision"} if within else set()))
+    return frozenset(kinds | ({"self_collision"} if within else set()) | ({"tendon"} if scene.tendons else set()))
 
 
 def _in_engine(engine: str, scenes: dict[Drops, Scene]) -> InEngine:
@@ -153,10 +157,10 @@ def _in_engine(engine: str, scenes: dict[Drops, Scene]) -> InEngine:
     home, form = elsewhere(engine), tuple[Verdict, list[str], str]
     try:
         if home is None:
-            verdict, drops, said = apart(form, allowed, least_for, engine, scenes)
+            verdict, drops, words = apart(form, allowed, least_for, engine, scenes)
         else:
             path = project_folders()
-            verdict, drops, said = apart(form, allowed, least_for, engine, scenes, interpreter=home.executable, path=path)
+            verdict, drops, words = apart(form, allowed, least_for, engine, scenes, interpreter=home.executable, path=path)
     except NoAnswer as error:
         return InEngine(engine=engine, verdict="failed", reason=f"build {error}")
-    return InEngine(engine=engine, verdict=verdict, drops=tuple(drops), reason=said)
+    return InEngine(engine=engine, verdict=verdict, drops=tuple(drops), reason=words)

@@ -5,7 +5,7 @@ from math import pi, sqrt
 import numpy as np
 
 from plumbline.harness.adapter import Adapter, Feature, Settings, Unsupported
-from plumbline.harness.conformance.check import Finding, check, judge, near
+from plumbline.harness.conformance.check import Comparison, Finding, check, judge, near
 from plumbline.harness.conformance.checks.contract.features import CORNERS, SIDES, TWO_BLOCKS, box_mesh
 from plumbline.harness.conformance.exact import angle_between
 from plumbline.harness.conformance.runs import FINE, final
@@ -172,7 +172,7 @@ def moving_mesh_is_its_faces(adapter: Adapter, settings: Settings) -> Finding:
     }  # fmt: skip
     inertia = principal_inertia(0.05, 0.3, 0.27)
     body = Body(name="blocks", inertia=inertia, collision=(PlacedShape(shape=blocks),), material="block", p_WB=(0.0, 0.0, 0.3))
-    found = []
+    found: list[Comparison] = []
     for name, bodies in floors.items():
         scene = Scene(bodies=(*bodies, body), surfaces=(ground(0.5),))
         try:

@@ -172,7 +172,7 @@ def moving_mesh_is_its_faces(adapter: Adapter, settings: Settings) -> Finding:
     }  # fmt: skip
     inertia = principal_inertia(0.05, 0.3, 0.27)
     body = Body(name="blocks", inertia=inertia, collision=(PlacedShape(shape=blocks),), material="block", p_WB=(0.0, 0.0, 0.3))
-    found = list[Comparison]()
+    found: list[Comparison] = []
     for name, bodies in floors.items():
         scene = Scene(bodies=(*bodies, body), surfaces=(ground(0.5),))
         try:

@@ -18,6 +18,8 @@ Deviations:
     * MuJoCo-Warp's contacts, limits and loops are soft, by a time constant of .02 s on 'default': the vendor's ke and kd of a
       shape are read as that and a damping ratio of 1, whatever the mass. On 'tuned' limits and dry friction are held at two
       steps, as `adapters.mujoco` measured.
+    * MuJoCo-Warp finds one point of contact for pairs of shapes without a rule of their own (a box, hull or lying cylinder on a
+      cylinder, hull or mesh, a hull or lying cylinder on a box): what lies so sinks by 3.5 mm on 'tuned', by 4.1 on 'default'.
     * Of two coefficients of friction MuJoCo-Warp takes the greater, XPBD the mean: each kind of body is told a number from
       which its pairs come out as the scene says, and surfaces that no numbers give are refused. Friction has one coefficient.
       'default' has pyramids, whose edges are up to 41 % off. What has no friction is told contacts of one dimension: a
@@ -145,7 +147,7 @@ ADAPTER = NewtonAdapter(
                 "limit_steps": 2.0,
             },
             source="elliptic cones, impratio above 1: MuJoCo documentation, Modeling, preventing slip; contacts of four steps: "
-            "measured here (a box on a cylinder, which has one point alone, sinks by 0.3 mm, and by 8 mm at 20 steps of 1 ms); "
+            "measured here (a box on a cylinder, which has one point alone, sinks by 0.3 mm at 1 ms, and by 8 mm at 20 steps); "
             "damping ratio 1.2, limits and dry friction of two steps, of ratio 1.7: measured on MuJoCo (`adapters.mujoco`)",
         ),
     },
@@ -161,7 +163,8 @@ ADAPTER = NewtonAdapter(
         },
         **{f"{track}/rays_match_closed_forms": _RAYS for track in ("default", "tuned")},
         **{
-            f"default/{pair}": "one point of contact carries the weight: the vendor's default, beside its softness of .02 s"
+            f"{track}/{pair}": "MuJoCo-Warp finds one point of contact, under which a box sinks by 3.5 to 4.1 mm at this step"
+            for track in ("default", "tuned")
             for pair in _ON_ONE_POINT
         },
         "tuned/pair_slide_and_friction_loss": "dry friction held as stiffly in single precision: a velocity is off by 7e-5 m/s",

@@ -148,7 +148,7 @@ ADAPTER = NewtonAdapter(
                 "limit_steps": 2.0,
             },
             source="elliptic cones, impratio above 1: MuJoCo documentation, Modeling, preventing slip; contacts of 20 steps "
-            "(at four a sliding box hops by 19 mm: measured here), of ratio 1.2, limits and dry friction of two steps, of ratio "
+            "(at four a sliding box hops by 19 mm: measured here), of ratio 1.2, limits and dry friction of two steps, ratio "
             "1.7: measured on MuJoCo (`adapters.mujoco`)",
         ),
     },

@@ -18,13 +18,16 @@ Deviations:
     * MuJoCo-Warp's contacts, limits and loops are soft, by a time constant of .02 s on 'default': the vendor's ke and kd of a
       shape are read as that and a damping ratio of 1, whatever the mass. On 'tuned' limits and dry friction are held at two
       steps, as `adapters.mujoco` measured.
+    * MuJoCo-Warp finds one point of contact for pairs of shapes without a rule of their own (a box, hull or lying cylinder on a
+      cylinder, hull or mesh, a hull or lying cylinder on a box): what lies so sinks by 5.5 mm on 'tuned', by 4.1 on
+      'default'.
     * Of two coefficients of friction MuJoCo-Warp takes the greater, XPBD the mean: each kind of body is told a number from
       which its pairs come out as the scene says, and surfaces that no numbers give are refused. Friction has one coefficient.
       'default' has pyramids, whose edges are up to 41 % off. What has no friction is told contacts of one dimension: a
       pyramid of 0 ended in NaN.
-    * XPBD tells forces of contacts approximately and those of rebounds not at all: contacts of such scenes are refused. So are,
-      there, springs, drives, rotors and dry friction of joints, which XPBD makes anew in each of its iterations, damping, and
-      joints that close loops.
+    * XPBD tells forces of contacts approximately and those of rebounds not at all: contacts of such scenes are refused, and
+      forces of contacts are not claimed, though those of MuJoCo-Warp hold their checks. Refused under XPBD are springs, drives,
+      rotors and dry friction of joints, which it makes anew in each of its iterations, damping, and joints that close loops.
     * A mesh collides as its hull under MuJoCo-Warp: meshes of bodies that move are refused, and so are those that are not
       convex.
     * Loops are closed by points and welds: a slide that closes one, or a law along its coordinate, is refused. A revolute joint
@@ -82,6 +85,7 @@ class NewtonAdapter(Adapter):
 _SPUN = "single precision: each step turns a spin into the body and back, and changes it by some 3e-7 of itself"
 _RAYS = "rays are cast in single precision: 1.4e-5 m off on round shapes, 1e-4 m on planes at a graze and within 50 m"
 
+_SINKS = "MuJoCo-Warp finds one point of contact, under which what lies sinks by 3.6 to 5.5 mm"
 _ON_ONE_POINT = (
     *(f"lying_cylinder_rests_on_{ground}" for ground in ("box", "cylinder", "hull", "mesh")),
     *(f"hull_rests_on_{ground}" for ground in ("box", "cylinder", "hull", "mesh")),
@@ -126,7 +130,6 @@ ADAPTER = NewtonAdapter(
         | Feature.LINEAR_DAMPING
         | Feature.ANGULAR_DAMPING
         | Feature.CONTACTS
-        | Feature.CONTACT_FORCES
         | Feature.RAYS
         | Feature.WRENCH
         | Feature.SAVE
@@ -140,30 +143,24 @@ ADAPTER = NewtonAdapter(
             options={
                 "cone": "elliptic",
                 "impratio": 10.0,
-                "contact_steps": 4.0,
+                "contact_steps": 20.0,
                 "contact_damping_ratio": 1.2,
                 "limit_steps": 2.0,
             },
-            source="elliptic cones, impratio above 1: MuJoCo documentation, Modeling, preventing slip; contacts of four steps: "
-            "measured here (a box on a cylinder, which has one point alone, sinks by 0.3 mm, and by 8 mm at 20 steps of 1 ms); "
-            "damping ratio 1.2, limits and dry friction of two steps, of ratio 1.7: measured on MuJoCo (`adapters.mujoco`)",
+            source="elliptic cones, impratio above 1: MuJoCo documentation, Modeling, preventing slip; contacts of 20 steps "
+            "(at four a sliding box hops by 19 mm: measured here), of ratio 1.2, limits and dry friction of two steps, ratio "
+            "1.7: measured on MuJoCo (`adapters.mujoco`)",
         ),
     },
     known_failures={
-        **{
-            f"{track}/contact_forces_end_with_the_contact": "XPBD, which steps what rebounds, tells no forces of rebounds"
-            for track in ("default", "tuned")
-        },
         **{
             f"{track}/{check}": _SPUN
             for track in ("default", "tuned")
             for check in ("hidden_damping_is_off", "nothing_brakes_a_free_body")
         },
         **{f"{track}/rays_match_closed_forms": _RAYS for track in ("default", "tuned")},
-        **{
-            f"default/{pair}": "one point of contact carries the weight: the vendor's default, beside its softness of .02 s"
-            for pair in _ON_ONE_POINT
-        },
+        **{f"{track}/{pair}": _SINKS for track in ("default", "tuned") for pair in _ON_ONE_POINT},
+        **{f"tuned/lying_capsule_rests_on_{ground}": _SINKS for ground in ("cylinder", "hull", "mesh")},
         "tuned/pair_slide_and_friction_loss": "dry friction held as stiffly in single precision: a velocity is off by 7e-5 m/s",
         "default/limits_hold": "Newton's default limits are springs of 1e4 N m/rad: a rod turns .06 rad beyond one",
         "default/dry_friction_beside_a_drive": (
@@ -197,7 +194,7 @@ ADAPTER = NewtonAdapter(
     deviations=(
         "single precision: each step changes a spin by some 3e-7 of itself",
         "contacts, limits and loops of MuJoCo-Warp are soft: by .02 s on 'default'",
-        "what rebounds is stepped by XPBD, which tells no contacts",
+        "what rebounds is stepped by XPBD, which tells no contacts; so no forces of contacts are judged",
         "friction of a pair is the greater of two numbers (the mean under XPBD), one for each kind of body",
         "the gyroscopic term cannot be switched off",
     ),

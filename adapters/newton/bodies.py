@@ -66,6 +66,8 @@ class Bodies:
                 self.owners.append(place)
 
     def _link(self, body: Body) -> int:
+        if body.massless:
+            raise Unsupported(f"body '{body.name}' without mass", "Newton's adapter tells each body that moves its mass")
         led = body.motion == "kinematic"
         # A body that is led is held by what MuJoCo-Warp makes of its inertia; any will do, and the scene's is as good.
         mass, inertia = (body.mass, body.inertia) if body.mass > 0 and any(map(any, body.inertia)) else (1.0, _UNIT)

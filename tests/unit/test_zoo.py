@@ -132,7 +132,7 @@ def test_a_publisher_that_could_not_be_reached_is_asked_once(
 def test_an_entry_that_is_not_as_it_was_written_is_told(folder: Path, taken: dict[str, Entry], tmp_path: Path) -> None:
     zoo_record.write(tmp_path, taken["tiny_zoo.pair"])
     assert list(zoo_record.entries(tmp_path)) == [taken["tiny_zoo.pair"]]
-    path = tmp_path / "zoo" / "tiny_zoo.rotor.json"
+    path = tmp_path / "zoo" / "tiny_zoo.pair.json"
     path.rename(other := path.with_name("tiny_zoo.arm.json"))
     assert [where for where, _ in zoo_record.unsound(tmp_path)] == [other]
     with pytest.raises(Damaged):
@@ -160,7 +160,7 @@ def test_the_table_has_a_row_a_robot_and_engine_and_one_for_who_does_not_go_in(r
         assert rows["arm", engine]["verdict"] == "agrees"
         assert rows["arm", engine]["cost"] > 0
         assert rows["pair", engine]["dropped"] == "mimic"
-    # A hand that follows its arm is bound to it; let go, it swings by itself, at 0.2 m from its hinge: engines that have it tell.
+    # A hand that follows its arm is bound to it; let go, it swings by itself: engines that have the coupling tell how far.
     assert rows["pair", "mujoco"]["omission"] > 0.02
     assert rows["pair", "dart"]["omission"] is None
     assert rows["broken", ""]["stage"] == "refused"

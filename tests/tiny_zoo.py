@@ -14,13 +14,16 @@ __all__ = ["FILES", "NAME", "listing", "tiny_zoo"]
 NAME = "tiny-zoo"
 FILES = {
     "arm.urdf": urdf(base=INERTIAL),
-    "rotor.xml": mjcf(
-        '<joint name="j" axis="0 1 0" armature="0.3"/><geom type="capsule" fromto="0 0 0 0.4 0 -0.3" size=".05"/>'
+    "pair.xml": mjcf(
+        '<joint name="upper" axis="0 1 0"/><geom type="capsule" fromto="0 0 0 0.4 0 -0.3" size=".05"/>'
+        '<body name="hand" pos="0.4 0 -0.3"><joint name="lower" axis="0 1 0"/>'
+        '<geom type="capsule" fromto="0 0 0 0.2 0 -0.1" size=".03"/></body>',
+        beside='<equality><joint joint1="lower" joint2="upper" polycoef="0 1 0 0 0"/></equality>',
     ),
     "dropped.xml": mjcf('<freejoint name="root"/><geom size=".1"/>'),
     "broken.urdf": "<robot name='broken'><link name='a'/><link name='a'/></robot>",
 }
-"""One that all engines take, one with a rotor that two of them lack, one that falls, one that is refused."""
+"""One that all engines take, one whose joints are coupled, one that falls, one that is refused."""
 
 
 def listing(folder: Path) -> Path:

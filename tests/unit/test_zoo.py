@@ -30,7 +30,7 @@ from plumbline.reports.pages.zoo import PAGE
 from tests.in_process import clocked_by, in_this_process
 from tests.tiny_zoo import NAME, tiny_zoo
 
-ENGINES = ("bullet", "mujoco", "reference")
+ENGINES = ("dart", "mujoco", "reference")
 ROOT = Path(__file__).parents[2]
 
 
@@ -65,7 +65,7 @@ def test_what_is_left_out_is_the_least_and_none_of_it_can_stay() -> None:
 
 def test_robots_are_listed_with_their_package_its_version_and_licence(tiny: list[Robot]) -> None:
     assert [robot.name for robot in tiny] == [
-        "tiny_zoo.arm", "tiny_zoo.rotor", "tiny_zoo.dropped", "tiny_zoo.broken", "no_such_zoo.away",
+        "tiny_zoo.arm", "tiny_zoo.pair", "tiny_zoo.dropped", "tiny_zoo.broken", "no_such_zoo.away",
     ]  # fmt: skip
     assert {(robot.version, robot.licence) for robot in tiny[:4]} == {("1.5", "MIT")}
     assert (tiny[4].version, tiny[4].licence) == ("", "ISC")
@@ -79,18 +79,18 @@ def test_robots_are_listed_with_their_package_its_version_and_licence(tiny: list
 
 def test_a_robot_goes_in_with_the_least_left_out_for_each_engine_or_says_why_not(folder: Path, taken: dict[str, Entry]) -> None:
     stages = {name.partition(".")[2]: entry.stage for name, entry in taken.items()}
-    assert stages == {"arm": "in", "rotor": "in", "dropped": "in", "broken": "refused", "away": "not here"}
+    assert stages == {"arm": "in", "pair": "in", "dropped": "in", "broken": "refused", "away": "not here"}
     assert taken["tiny_zoo.broken"].reason.startswith("broken.urdf: "), "where it is installed is nobody's business"
-    arm, rotor = taken["tiny_zoo.arm"], taken["tiny_zoo.rotor"]
+    arm, pair = taken["tiny_zoo.arm"], taken["tiny_zoo.pair"]
     assert (arm.scenario, arm.dropped, arm.bodies, arm.joints) == ("swing", (), 1, 1)
     assert {each.engine: each.drops for each in arm.engines} == dict.fromkeys(ENGINES, ())
-    # Bullet's multibody has no inertia along a joint coordinate: it alone needs the rotor left out, which then all run without.
-    assert {each.engine: each.drops for each in rotor.engines} == {"bullet": ("armature",), "mujoco": (), "reference": ()}
-    assert rotor.dropped == ("armature",)
-    assert "armature" in rotor.engines[0].reason
-    case = plugins.case(f"{plugins.SCENE_PREFIX}{folder / 'run' / rotor.scene}")
+    # dartpy binds no way to say whom a joint follows: DART alone needs that left out, which then all run without.
+    assert {each.engine: each.drops for each in pair.engines} == {"dart": ("mimic",), "mujoco": (), "reference": ()}
+    assert pair.dropped == ("mimic",)
+    assert "coupling" in pair.engines[0].reason
+    case = plugins.case(f"{plugins.SCENE_PREFIX}{folder / 'run' / pair.scene}")
     assert case.undropped is not None
-    assert [joint.armature for joint in case.undropped.joints] == [0.3]  # type: ignore[union-attr]
+    assert sum(joint.coupling is not None for joint in case.undropped.joints) == 1  # type: ignore[union-attr]
     assert taken["tiny_zoo.dropped"].scenario == "drop"
 
 
@@ -130,9 +130,9 @@ def test_a_publisher_that_could_not_be_reached_is_asked_once(
 
 
 def test_an_entry_that_is_not_as_it_was_written_is_told(folder: Path, taken: dict[str, Entry], tmp_path: Path) -> None:
-    zoo_record.write(tmp_path, taken["tiny_zoo.rotor"])
-    assert list(zoo_record.entries(tmp_path)) == [taken["tiny_zoo.rotor"]]
-    path = tmp_path / "zoo" / "tiny_zoo.rotor.json"
+    zoo_record.write(tmp_path, taken["tiny_zoo.pair"])
+    assert list(zoo_record.entries(tmp_path)) == [taken["tiny_zoo.pair"]]
+    path = tmp_path / "zoo" / "tiny_zoo.pair.json"
     path.rename(other := path.with_name("tiny_zoo.arm.json"))
     assert [where for where, _ in zoo_record.unsound(tmp_path)] == [other]
     with pytest.raises(Damaged):
@@ -141,7 +141,7 @@ def test_an_entry_that_is_not_as_it_was_written_is_told(folder: Path, taken: dic
 
 @pytest.fixture(scope="module")
 def ran(folder: Path, tiny: list[Robot], taken: dict[str, Entry]) -> Store:
-    """All of them on two engines and Bullet; a step is said to cost 10 us."""
+    """All of them; a step is said to cost 10 us."""
     del taken
     with pytest.MonkeyPatch.context() as patch:
         in_this_process(patch)
@@ -153,19 +153,19 @@ def ran(folder: Path, tiny: list[Robot], taken: dict[str, Entry]) -> Store:
 def test_the_table_has_a_row_a_robot_and_engine_and_one_for_who_does_not_go_in(ran: Store) -> None:
     table = tables.table("zoo")
     rows = {(row["robot"].partition(".")[2], row["engine"]): row for row in table.rows(ran)}
-    assert set(rows) == {(name, engine) for name in ("arm", "rotor", "dropped") for engine in ENGINES} | {
+    assert set(rows) == {(name, engine) for name in ("arm", "pair", "dropped") for engine in ENGINES} | {
         ("broken", ""), ("away", ""),
     }  # fmt: skip
     for engine in ENGINES:
         assert rows["arm", engine]["verdict"] == "agrees"
         assert rows["arm", engine]["cost"] > 0
-        assert rows["rotor", engine]["dropped"] == "armature"
-    # A rotor of 0.3 kg m2 beside a rod of less than 0.1: the rod alone swings far ahead, and engines that have the rotor tell.
-    assert rows["rotor", "mujoco"]["omission"] > 0.05
-    assert rows["rotor", "bullet"]["omission"] is None
+        assert rows["pair", engine]["dropped"] == "mimic"
+    # A hand that follows its arm is bound to it; let go, it swings by itself: engines that have the coupling tell how far.
+    assert rows["pair", "mujoco"]["omission"] > 0.02
+    assert rows["pair", "dart"]["omission"] is None
     assert rows["broken", ""]["stage"] == "refused"
     words = table.sentences(list(rows.values()))
-    assert words[0] == "3 of 5 robots go in; 3 run on all of bullet, mujoco, reference."
+    assert words[0] == "3 of 5 robots go in; 3 run on all of dart, mujoco, reference."
     assert words[-1] == "Of those that do not go in: refused 1, not here 1." or words[-1].endswith("not here 1, refused 1.")
 
 
@@ -180,12 +180,12 @@ def test_the_page_shows_each_robot_with_its_picture_or_its_reason(ran: Store) ->
     page = str(files["zoo.html"])
     shown = page.partition('id="inside"')[2].partition('id="outside"')[0]
     assert len(re.findall('<img class="thumb"', shown)) >= 2, "shapes of a rod and of a ball"
-    for title in ("A robot, arm.urdf", "A robot, rotor.xml", "A robot, dropped.xml"):
+    for title in ("A robot, arm.urdf", "A robot, pair.xml", "A robot, dropped.xml"):
         assert title in shown
     outside = page.partition('id="outside"')[2]
     assert "its files are refused" in outside
     assert "no-such-zoo is not installed" in outside
-    assert "without armature" in shown
+    assert "without mimic" in shown
     assert str(files["zoo.csv"]).startswith("robot,title,package,version,licence,stage,")
 
 

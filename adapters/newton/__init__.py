@@ -73,7 +73,7 @@ class NewtonAdapter(Adapter):
 
     def build(self, scene: Scene, settings: Settings) -> Simulation:
         """Exactly this scene under these settings. Raises: Unsupported, Unavailable, SettingsError."""
-        return built_with_points(lambda told: build(load(), told, settings), scene)
+        return built_with_points(lambda adapted: build(load(), adapted, settings), scene)
 
     def build_batch(self, scene: Scene, settings: Settings, count: int) -> Batch:
         """Worlds of one model, which one step steps together; one simulation each where each is led. Raises: as `build`."""

@@ -55,7 +55,7 @@ class Bodies:
 
     def put(self) -> None:
         """All bodies and their shapes; what stands still hangs on the world. Raises: Unsupported."""
-        for place, body in enumerate(self.scene.bodies):
+        for row, body in enumerate(self.scene.bodies):
             still = body.motion == "static"
             self.links[body.name] = WORLD_BODY if still else self._link(body)
             for placed in body.collision:
@@ -63,7 +63,7 @@ class Bodies:
                 if still:
                     p, q = within(body, p, q)
                 self.shapes.setdefault(body.name, []).append(self._shape(body, placed.shape, p, q))
-                self.owners.append(place)
+                self.owners.append(row)
 
     def _link(self, body: Body) -> int:
         if body.massless:
@@ -97,39 +97,39 @@ class Bodies:
         )
         link, at, builder = self.links[body.name], self.vendor.transform(p, q), self.builder
         # A pyramid of friction 0 ends in NaN; a contact of one dimension has none.
-        told = {"xform": at, "cfg": config, "custom_attributes": {"mujoco:condim": 1} if mu == 0.0 else None}
+        arguments = {"xform": at, "cfg": config, "custom_attributes": {"mujoco:condim": 1} if mu == 0.0 else None}
         match shape:
             case Sphere():
-                number = builder.add_shape_sphere(link, radius=shape.radius, **told)
+                number = builder.add_shape_sphere(link, radius=shape.radius, **arguments)
             case Box():
                 x, y, z = shape.half_extents
-                number = builder.add_shape_box(link, hx=x, hy=y, hz=z, **told)
+                number = builder.add_shape_box(link, hx=x, hy=y, hz=z, **arguments)
             case Capsule():
-                number = builder.add_shape_capsule(link, radius=shape.radius, half_height=shape.half_length, **told)
+                number = builder.add_shape_capsule(link, radius=shape.radius, half_height=shape.half_length, **arguments)
             case Cylinder():
-                number = builder.add_shape_cylinder(link, radius=shape.radius, half_height=shape.half_length, **told)
+                number = builder.add_shape_cylinder(link, radius=shape.radius, half_height=shape.half_length, **arguments)
             case Ellipsoid():
                 a, b, c = shape.semi_axes
-                number = builder.add_shape_ellipsoid(link, rx=a, ry=b, rz=c, **told)
+                number = builder.add_shape_ellipsoid(link, rx=a, ry=b, rz=c, **arguments)
             case Plane():
                 if body.motion != "static":
                     raise Unsupported(f"body '{body.name}': a plane that moves", "Newton's planes stand still")
-                told["xform"] = self.vendor.transform(p, multiply(q, _from_z(shape.normal)))
-                number = builder.add_shape_plane(None, width=0.0, length=0.0, body=link, **told)
+                arguments["xform"] = self.vendor.transform(p, multiply(q, _from_z(shape.normal)))
+                number = builder.add_shape_plane(None, width=0.0, length=0.0, body=link, **arguments)
             case ConvexHull() | TriangleMesh():
-                number = self._polyhedron(body, shape, link, told)
+                number = self._polyhedron(body, shape, link, arguments)
             case _:
                 raise AssertionError(f"{shape.type} passed the door")
         return int(number)
 
-    def _polyhedron(self, body: Body, shape: ConvexHull | TriangleMesh, link: int, told: dict[str, Any]) -> int:
+    def _polyhedron(self, body: Body, shape: ConvexHull | TriangleMesh, link: int, arguments: dict[str, Any]) -> int:
         points = np.array(shape.vertices, dtype=np.float32)
         if isinstance(shape, ConvexHull):
             from scipy.spatial import ConvexHull as Hull
 
             faces = Hull(np.array(shape.vertices)).simplices
             mesh = self.vendor.newton.Mesh(points, faces.astype(np.int32).ravel(), compute_inertia=False)
-            return int(self.builder.add_shape_convex_hull(link, mesh=mesh, **told))
+            return int(self.builder.add_shape_convex_hull(link, mesh=mesh, **arguments))
         if body.movable:
             raise Unsupported(f"mesh of body '{body.name}'", "MuJoCo-Warp collides a mesh as its hull")
         faces, touches = np.array(shape.faces, dtype=np.int32), Effect.CONTACT in self.scene.effects
@@ -138,7 +138,7 @@ class Bodies:
                 f"body '{body.name}': a mesh that is not convex and closed", "MuJoCo-Warp collides a mesh as its hull"
             )
         mesh = self.vendor.newton.Mesh(points, faces.ravel(), compute_inertia=False)
-        return int(self.builder.add_shape_mesh(link, mesh=mesh, **told))
+        return int(self.builder.add_shape_mesh(link, mesh=mesh, **arguments))
 
     def keep_apart(self) -> None:
         """No contact between those that stand apart, that a joint holds, or neither of which a force moves."""

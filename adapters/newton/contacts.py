@@ -59,11 +59,13 @@ def _contacts(
 ) -> Contacts:
     """Points half-way between p and q that overlap or bear a force."""
     gap = np.einsum("ki,ki->k", q - p, normal)
-    told = (gap <= 0.0) | force.any(axis=1)
-    if not told.any():
+    touch = (gap <= 0.0) | force.any(axis=1)
+    if not touch.any():
         return Contacts.none()
-    place = np.asarray(owners)
-    return Contacts.of(place[first[told]], place[second[told]], (0.5 * (p + q))[told], normal[told], gap[told], force[told])
+    owner = np.asarray(owners)
+    return Contacts.of(
+        owner[first[touch]], owner[second[touch]], (0.5 * (p + q))[touch], normal[touch], gap[touch], force[touch]
+    )
 
 
 def _turn(q: Floats, vector: Floats) -> Floats:

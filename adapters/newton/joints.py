@@ -28,7 +28,7 @@ class Aim:
 
 @dataclass(frozen=True, slots=True)
 class Driven:
-    """A joint whose target may be told anew. Terms: number: Newton's. start: of its coordinate [rad or m]."""
+    """A joint whose target may be arguments anew. Terms: number: Newton's. start: of its coordinate [rad or m]."""
 
     number: int
     drive: Drive
@@ -142,29 +142,29 @@ class Joints:
 
     def _laws(self, joint: Revolute | Prismatic, damping: float) -> dict[str, Any]:
         """Limits, spring, drive, rotor and dry friction of a coordinate. Args: damping: of the body that hangs on it."""
-        modes, told = self.bodies.vendor.newton.JointTargetMode, dict[str, Any]()
-        told["armature"], told["friction"] = joint.armature or 0.0, joint.friction_loss or 0.0
+        modes, arguments = self.bodies.vendor.newton.JointTargetMode, dict[str, Any]()
+        arguments["armature"], arguments["friction"] = joint.armature or 0.0, joint.friction_loss or 0.0
         low, high = (None, None) if joint.limits is None else (joint.limits.lower, joint.limits.upper)
-        told["limit_lower"] = -UNBOUNDED if low is None else low - joint.position
-        told["limit_upper"] = UNBOUNDED if high is None else high - joint.position
+        arguments["limit_lower"] = -UNBOUNDED if low is None else low - joint.position
+        arguments["limit_upper"] = UNBOUNDED if high is None else high - joint.position
         if self.softness:
-            told["custom_attributes"] = self.softness
-        told["damping"] = damping
+            arguments["custom_attributes"] = self.softness
+        arguments["damping"] = damping
         if joint.spring is not None:
-            told["stiffness"], told["damping"] = joint.spring.stiffness, joint.spring.damping + damping
-            told["rest_q"] = joint.spring.rest - joint.position
-        told["actuator_mode"], told["effort_limit"] = modes.NONE, UNBOUNDED
+            arguments["stiffness"], arguments["damping"] = joint.spring.stiffness, joint.spring.damping + damping
+            arguments["rest_q"] = joint.spring.rest - joint.position
+        arguments["actuator_mode"], arguments["effort_limit"] = modes.NONE, UNBOUNDED
         if joint.drive is not None and Effect.DRIVES in self.bodies.scene.effects:
             drive, aim = joint.drive, aim_of(joint.drive, joint.drive.target, joint.position)
             if drive.limit is not None:
-                told["effort_limit"] = drive.limit
+                arguments["effort_limit"] = drive.limit
             if drive.stiffness > 0:
-                told["actuator_mode"] = modes.POSITION
+                arguments["actuator_mode"] = modes.POSITION
             elif drive.damping > 0:
-                told["actuator_mode"] = modes.VELOCITY
-            told["target_ke"], told["target_kd"] = drive.stiffness, drive.damping
-            told["target_q"], told["target_qd"] = aim.position, aim.rate
-        return told
+                arguments["actuator_mode"] = modes.VELOCITY
+            arguments["target_ke"], arguments["target_kd"] = drive.stiffness, drive.damping
+            arguments["target_q"], arguments["target_qd"] = aim.position, aim.rate
+        return arguments
 
     def _close(self, joint: Joint) -> None:
         """A joint that closes a loop, outside of every tree. Raises: Unsupported."""

@@ -14,11 +14,11 @@ from plumbline.harness.trajectory import Floats
 class Led:
     """A kinematic body, and how it moves until told otherwise.
 
-    Terms: place: among the scene's bodies. row: Newton's number. at, rate_at: where its free joint's numbers begin. p, q, v, w:
-    in W [m, m/s, rad/s], q = (w, x, y, z).
+    Terms: number: among the scene's bodies. row: Newton's number. at, rate_at: where its free joint's numbers begin. p, q, v,
+    w: in W [m, m/s, rad/s], q = (w, x, y, z).
     """
 
-    place: int
+    number: int
     row: int
     at: int
     rate_at: int
@@ -50,8 +50,8 @@ def answer(newton: Any, model: Any, state: Any, rates: Floats, before: Floats) -
         first = int(joints[starts[tree]])
         last = int(joints[starts[tree + 1]]) if starts[tree + 1] < model.joint_count else model.joint_dof_count
         change = (rates[first:last] - before[first:last]).astype(np.float64)
-        told = 6
-        if last - first <= told or not change[:told].any():
+        led = 6
+        if last - first <= led or not change[:led].any():
             continue
         M = inertia[tree, : last - first, : last - first]
-        rates[first + told : last] -= np.linalg.solve(M[told:, told:], M[told:, :told] @ change[:told]).astype(np.float32)
+        rates[first + led : last] -= np.linalg.solve(M[led:, led:], M[led:, :led] @ change[:led]).astype(np.float32)

@@ -46,8 +46,8 @@ def resolved_settings(settings: Settings, fits: str) -> Settings:
     integrator = settings.integrator or integrators[0]
     if integrator not in integrators and solver in SOLVERS:
         # An integrator of the other solver that was told without one says nothing here.
-        told = settings.solver is not None or all(integrator not in known for known in INTEGRATORS.values())
-        if told:
+        is_chosen = settings.solver is not None or all(integrator not in names for names in INTEGRATORS.values())
+        if is_chosen:
             expected = " or ".join(map(repr, integrators))
             raise SettingsError(f"settings: integrator '{integrator}', expected {expected} of solver '{solver}'")
         integrator = integrators[0]

@@ -48,16 +48,16 @@ class NewtonSimulation:
         self._rows = [world.links[scene.bodies[k].name] for k in self._places]
         self._stepper = Stepper(world.vendor, world.model, world.solver, world.pipeline, used.substep)
         self._led = [self._way(k) for k, body in enumerate(scene.bodies) if body.motion == "kinematic"]
-        self._towed = any(int(parent) in {way.row for way in self._led} for parent in view(world.model.joint_parent))
+        self._towed = any(int(parent) in {leader.row for leader in self._led} for parent in view(world.model.joint_parent))
         self._pushed: tuple[Floats, Floats] | None = None
         self._set_out()
 
-    def _way(self, place: int) -> Led:
+    def _way(self, number: int) -> Led:
         """How a body is led from the start on."""
-        start, model, row = self._start, self._world.model, self._world.links[self._scene.bodies[place].name]
+        start, model, row = self._start, self._world.model, self._world.links[self._scene.bodies[number].name]
         number = int(np.flatnonzero(view(model.joint_child) == row)[0])
         at, rate_at = int(view(model.joint_q_start)[number]), int(view(model.joint_qd_start)[number])
-        return Led(place, row, at, rate_at, *(a[place].copy() for a in (start.p_WB, start.q_WB, start.v_WB, start.w_WB)))
+        return Led(number, row, at, rate_at, *(a[number].copy() for a in (start.p_WB, start.q_WB, start.v_WB, start.w_WB)))
 
     def _set_out(self) -> None:
         """Both states at the start of the scene, and what drives ask for."""
@@ -113,19 +113,22 @@ class NewtonSimulation:
 
     def _after(self) -> None:
         """What is led comes to where its velocity brings it, whatever single precision makes of that."""
-        for way in self._led:
-            way.p = way.p + self._h * way.v
-            way.q = turned(way.w, self._h, way.q)
+        for leader in self._led:
+            leader.p = leader.p + self._h * leader.v
+            leader.q = turned(leader.w, self._h, leader.q)
         self._lead(self._stepper.here, self._led)
         if self._towed:
             self._stepper.follow(self._stepper.here)
 
     def _lead(self, side: Side, led: Sequence[Led]) -> None:
         """Tell a state where bodies are led, as bodies and as coordinates of their free joints."""
-        for way in led:
-            side.q[way.row, :3], side.q[way.row, 3:] = way.p, np.roll(way.q, -1)
-            side.qd[way.row, :3], side.qd[way.row, 3:] = way.v, way.w
-            side.joint_q[way.at : way.at + 7], side.joint_qd[way.rate_at : way.rate_at + 6] = side.q[way.row], side.qd[way.row]
+        for leader in led:
+            side.q[leader.row, :3], side.q[leader.row, 3:] = leader.p, np.roll(leader.q, -1)
+            side.qd[leader.row, :3], side.qd[leader.row, 3:] = leader.v, leader.w
+            side.joint_q[leader.at : leader.at + 7], side.joint_qd[leader.rate_at : leader.rate_at + 6] = (
+                side.q[leader.row],
+                side.qd[leader.row],
+            )
 
     def retime(self, dt: float) -> None:
         """The length [s] of each step from the next one on. Raises: Unsupported."""
@@ -184,9 +187,9 @@ class NewtonSimulation:
         """Set v_WB and w_WB of kinematic bodies."""
         check_velocities(self._scene, velocities)
         for name, (v, w) in velocities.items():
-            for way in self._led:
-                if way.place == self._scene.index(name):
-                    way.v, way.w = np.array(v, dtype=np.float64), np.array(w, dtype=np.float64)
+            for leader in self._led:
+                if leader.number == self._scene.index(name):
+                    leader.v, leader.w = np.array(v, dtype=np.float64), np.array(w, dtype=np.float64)
 
     def wrench(self, f_B_W: Floats, tau_B_W: Floats) -> None:
         """Forces [N] and torques [N m] in W on each body, shapes (n, 3), that act from now on."""
@@ -206,13 +209,13 @@ class NewtonSimulation:
 
     def save(self) -> object:
         """All that decides the future, bit for bit."""
-        return self._stepper.save(), [replace(way) for way in self._led], self._pushed, self._begun
+        return self._stepper.save(), [replace(leader) for leader in self._led], self._pushed, self._begun
 
     def restore(self, saved: object) -> None:
         """Back to a saved state."""
         arrays, led, self._pushed, self._begun = cast(tuple[list[Floats], list[Led], Any, bool], saved)
         self._stepper.restore(arrays)
-        self._led = [replace(way) for way in led]
+        self._led = [replace(leader) for leader in led]
 
     def close(self) -> None:
         """Let go of the world; may be called twice."""

@@ -140,11 +140,11 @@ class Stepper:
 
     def _decisive(self) -> list[Floats]:
         """Views of all that decides the future: the present state, what drives ask for, what the solver takes over."""
-        here, control = self.here, self.control
-        told = [view(a) for a in (control.joint_target_q, control.joint_target_qd, control.joint_f) if a is not None]
+        side, control = self.here, self.control
+        targets = [view(a) for a in (control.joint_target_q, control.joint_target_qd, control.joint_f) if a is not None]
         over_mujoco = self.solver is not None and self._pipeline is None
-        kept = [view(self.solver.mjw_data.qacc_warmstart)] if over_mujoco else []
-        return [here.q, here.qd, here.f, here.joint_q, here.joint_qd, *told, *kept]
+        warm = [view(self.solver.mjw_data.qacc_warmstart)] if over_mujoco else []
+        return [side.q, side.qd, side.f, side.joint_q, side.joint_qd, *targets, *warm]
 
     def save(self) -> list[Floats]:
         """Copies of all that decides the future."""

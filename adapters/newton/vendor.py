@@ -43,13 +43,13 @@ def load() -> Vendor:
 @contextmanager
 def _unheard() -> Iterator[None]:
     """What native code says on standard error goes nowhere: that no graphics card has a driver, which nothing asks for."""
-    kept, nowhere = os.dup(2), os.open(os.devnull, os.O_WRONLY)
+    stderr, nowhere = os.dup(2), os.open(os.devnull, os.O_WRONLY)
     os.dup2(nowhere, 2)
     try:
         yield
     finally:
-        os.dup2(kept, 2)
-        os.close(kept)
+        os.dup2(stderr, 2)
+        os.close(stderr)
         os.close(nowhere)
 
 

@@ -49,7 +49,7 @@ class Problem:
         """What tells it from another one, JSON-ready; of a control its interval and what it answers at two instants."""
         control = self.control and [self.control.interval, _digest(wrench_after(self.control, State.initial(self.scene)))]
         tellings = self.retellings and [
-            [told.name, told.clock, told.restored_at, _digest(dump_json(told.scene).encode())] for told in self.retellings
+            [other.name, other.clock, other.restored_at, _digest(dump_json(other.scene).encode())] for other in self.retellings
         ]
         rays = self.rays and [_digest(self.rays.origins.tobytes() + self.rays.directions.tobytes()), self.rays.max_range]
         scene, read = _digest(dump_json(self.scene).encode()), [self.contacts, self.impulses, self.worlds, self.readings_due]

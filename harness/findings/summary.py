@@ -34,8 +34,8 @@ def _junit(trials: pd.DataFrame, catalogue: Mapping[str, Any]) -> bytes:
     suite.set("errors", str(int(counts.reindex(_ERRORS, fill_value=0).sum())))
     suite.set("skipped", str(int(counts.reindex(_SKIPPED, fill_value=0).sum())))
     columns = trials[["study", "experiment", "case", "engine", "track", "dt", "status", "reason"]]
-    for row, told in zip(columns.itertuples(), told_apart(trials, catalogue), strict=True):
-        name = f"{row.case}[{row.engine}/{row.track}/dt={row.dt:g}{told and f'/{told}'}]"
+    for row, apart in zip(columns.itertuples(), told_apart(trials, catalogue), strict=True):
+        name = f"{row.case}[{row.engine}/{row.track}/dt={row.dt:g}{apart and f'/{apart}'}]"
         # Servers take tests of one class and name for one test.
         place = f"{row.study}.{row.experiment}" if row.experiment else str(row.study)
         test = ElementTree.SubElement(suite, "testcase", classname=visible(place), name=visible(name))
@@ -117,8 +117,8 @@ def told_apart(trials: pd.DataFrame, catalogue: Mapping[str, Any]) -> list[str]:
     """For each trial what its scene has in place of the case's own, and how that was run once more: 'edge 6, reordered'."""
     how = {text: _repetition(text) for text in trials["alteration"].unique()}
     return [
-        _joined(told, () if how[alteration] == ALIKE else (how[alteration],))
-        for told, alteration in zip(_apart(trials, catalogue), trials["alteration"], strict=True)
+        _joined(words, () if how[alteration] == ALIKE else (how[alteration],))
+        for words, alteration in zip(_apart(trials, catalogue), trials["alteration"], strict=True)
     ]
 
 
@@ -144,21 +144,21 @@ def rows(trials: pd.DataFrame, catalogue: Mapping[str, Any]) -> list[ListedTrial
     how = {text: _repetition(text) for text in trials["alteration"].unique()}
     groups: dict[tuple[str, ...], dict[str, list[str]]] = {}
     columns = trials[["case", "engine", "track", "dt", "resolved", "status", "reason", "alteration"]]
-    for row, told in zip(columns.itertuples(index=False), _apart(trials, catalogue), strict=True):
+    for row, words in zip(columns.itertuples(index=False), _apart(trials, catalogue), strict=True):
         step = step_in_words(row.dt, substeps_of(str(row.resolved)))
-        key = (str(row.case), str(row.engine), str(row.track), step, told, str(row.status))
+        key = (str(row.case), str(row.engine), str(row.track), step, words, str(row.status))
         groups.setdefault(key, {}).setdefault(str(row.reason), []).append(how[row.alteration])
     return [
-        ListedTrials(case, engine, track, dt, _joined(told, ways if apart else ()), status, reason, len(ways))
-        for (case, engine, track, dt, told, status), by_reason in groups.items()
+        ListedTrials(case, engine, track, dt, _joined(words, ways if apart else ()), status, reason, len(ways))
+        for (case, engine, track, dt, words, status), by_reason in groups.items()
         for reason, ways in by_reason.items()
         # Where the scene was run once more each time, its first run ended otherwise.
         for apart in (len(by_reason) > 1 or not {"", ALIKE, EVERY_STEP} & set(ways),)
     ]
 
 
-def _joined(told: str, ways: Sequence[str]) -> str:
-    return ", ".join(filter(None, (told, *dict.fromkeys(ways))))
+def _joined(words: str, ways: Sequence[str]) -> str:
+    return ", ".join(filter(None, (words, *dict.fromkeys(ways))))
 
 
 def _values(parameters: str) -> dict[str, Any]:

@@ -106,16 +106,16 @@ def _accuracy(run: _Run, what: str, trials: Sequence[Trial]) -> None:
         return run_isolated(group, run.folder, side) if cluster is None else cluster.answers(group, run.folder, at_once)
 
     with Progress(what, len(waiting)) as progress:
-        anew = run_isolated([by_name[name] for name in kept], run.folder, run.workers, kept=kept) if kept else ()
+        anew = run_isolated([by_name[name] for name in kept], run.folder, run.workers, earlier=kept) if kept else ()
         for record in chain(anew, answers(beside, run.workers, 0), answers(alone, 1, 1)):
             if record.status == "interrupted":
                 lost.append(record.reason)
             else:
-                known = kept[record.trial] if record.simulated_as else None
-                where = record.answered_on or machine if known is None else known.answered_on
+                before = kept[record.trial] if record.simulated_as else None
+                where = record.answered_on or machine if before is None else before.answered_on
                 journal.append(guide.answered(by_name[record.trial], replace(record, answered_on=where)))
-                if known is not None and known.timing is not None and record.status in _TIMED:
-                    journal.append(replace(known.timing, trial=record.trial))
+                if before is not None and before.timing is not None and record.status in _TIMED:
+                    journal.append(replace(before.timing, trial=record.trial))
             progress.advance(f"{called(record.case)} {record.engine}/{record.track} {record.status}")
     if lost:
         raise StoreError(f"{len(lost)} of {len(waiting)} answers could not be kept, first: {lost[0]}")

@@ -79,11 +79,11 @@ def _import(adapter: Adapter) -> None:
 
 
 def answers(
-    trial: Trial, folder: Path, answered: Callable[[Record], object] | None = None, kept: Record | None = None
+    trial: Trial, folder: Path, answered: Callable[[Record], object] | None = None, earlier: Record | None = None
 ) -> Iterator[Record | None]:
     """The accuracy run of a trial, whatever its Python code raises; the process may still die under it.
 
-    Args: answered: is told what is known before the answer is judged, of a trial that is no ensemble. kept: what came of
+    Args: answered: is told what is known before the answer is judged, of a trial that is no ensemble. earlier: what came of
     a trial of the same motion, whose answer is judged and not simulated again, where its file is as it was written.
 
     None comes first, once the engine is ready for it. What a sweep goes on from comes once more, with its rough cost: if the
@@ -93,7 +93,7 @@ def answers(
     allowed = _limits()
     try:
         case, adapter = plugins.case(trial.case), plugins.adapter(trial.engine)
-        anew = None if kept is None else _judged_anew(trial, case, adapter, kept, folder, answered)
+        anew = None if earlier is None else _judged_anew(trial, case, adapter, earlier, folder, answered)
         if anew is not None:
             yield anew
             return
@@ -125,12 +125,12 @@ def answers(
 
 
 def _judged_anew(
-    trial: Trial, case: Case, adapter: Adapter, kept: Record, folder: Path, answered: Callable[[Record], object] | None
+    trial: Trial, case: Case, adapter: Adapter, earlier: Record, folder: Path, answered: Callable[[Record], object] | None
 ) -> Record | None:
     """As `judged_anew`, with the modules of the engine loaded: they may set the mode of floating-point arithmetic."""
     _import(adapter)
-    record = judged_anew(trial, case, kept, folder, answered)
-    return None if record is None else replace(record, simulated_as=kept.simulated_as or kept.trial)
+    record = judged_anew(trial, case, earlier, folder, answered)
+    return None if record is None else replace(record, simulated_as=earlier.simulated_as or earlier.trial)
 
 
 def _limits() -> dict[str, tuple[int, int]]:

@@ -75,8 +75,8 @@ class _Child:
         watch: of its memory. inbox: its record comes here, the last word counts. deadline: of what it does now, loading its
         engine or answering. kills: of the system for want of memory, before it began. begun: when it was started, on the
         monotonic clock [s]. said: what has come so far. broken: what it said that no child may say; it is heard no more.
-        answered: what is known of an answer that is being judged, when memory and time are those of metrics and truths. kept:
-        the trial whose answer it may judge in place of simulating, '' for none.
+        answered: what is known of an answer that is being judged, when memory and time are those of metrics and truths.
+        earlier: the trial whose answer it may judge in place of simulating, '' for none.
         ended: has it said its last word, or died? late: why it is; nothing where it is not. ready: has it loaded its engine?
     """
 
@@ -88,7 +88,7 @@ class _Child:
     deadline: Deadline
     kills: int
     begun: float
-    kept: str = ""
+    earlier: str = ""
     said: Record | None = None
     answered: Record | None = None
     broken: str = ""
@@ -107,7 +107,7 @@ class _Child:
                         self.deadline = Deadline(self.process.pid, self.trial.deadline)
                     self.answered = read_record(self.trial, value)
                 elif kind == "record":
-                    self.said = read_record(self.trial, value, self.kept)
+                    self.said = read_record(self.trial, value, self.earlier)
                 else:
                     raise BrokenMessage(f"a '{readable(kind, 80)}', expected a record")
             self.ended = self.inbox.ended
@@ -163,21 +163,21 @@ class _Child:
         self.inbox.pipe.close()
 
 
-def _answer(pipe: Connection, trial: Trial, folder: Path, log: Path, kept: Record | None) -> None:
+def _answer(pipe: Connection, trial: Trial, folder: Path, log: Path, earlier: Record | None) -> None:
     confine(log)
-    tell(pipe, trial, folder, kept)
+    tell(pipe, trial, folder, earlier)
     end_started()
     pipe.close()
 
 
-def tell(pipe: Connection, trial: Trial, folder: Path, kept: Record | None = None) -> None:
+def tell(pipe: Connection, trial: Trial, folder: Path, earlier: Record | None = None) -> None:
     """Run a trial in this process, and say when its engine is ready, and what came of it."""
 
     def answered(record: Record) -> None:
         with suppress(TypeError, ValueError):  # what cannot be sent is refused with the whole record
             send(pipe, "answered", record)
 
-    for record in answers(trial, folder, answered, kept):
+    for record in answers(trial, folder, answered, earlier):
         try:
             send(pipe, "ready" if record is None else "record", record)
         except (TypeError, ValueError) as error:
@@ -195,29 +195,29 @@ def _origin(trial: Trial, foreseen: int) -> Origin:
     return loaded(plugins.adapter(trial.engine).loads, foreseen, environment)
 
 
-def _start(trial: Trial, origin: Origin, folder: Path, logs: Path, kept: Record | None) -> _Child | Record:
+def _start(trial: Trial, origin: Origin, folder: Path, logs: Path, earlier: Record | None) -> _Child | Record:
     """A process at work on the trial; a record if no server can be born with the trial's variables."""
     kills, log = kills_for_memory(), logs / f"{trial.trial}.log"
     log.unlink(missing_ok=True)
     try:
-        process = start(origin, _answer, trial, folder, log, kept)
+        process = start(origin, _answer, trial, folder, log, earlier)
     except ConnectionError as error:
         if not trial.alteration.variables:
             raise
         return outcome(trial, "crashed", f"with {', '.join('='.join(each) for each in trial.alteration.variables)}: {error}")
     loading = Deadline(process.pid, trial.experiment.deadline + plugins.adapter(trial.engine).compile_allowance)
     watch = MemoryWatch(process.pid, trial.experiment.memory)
-    simulated_as = "" if kept is None else kept.simulated_as or kept.trial
+    simulated_as = "" if earlier is None else earlier.simulated_as or earlier.trial
     return _Child(trial, process, watch, Inbox(process.pipe), log, loading, kills, time.monotonic(), simulated_as)
 
 
 def run_isolated(
-    trials: Sequence[Trial], folder: Path, workers: int, foreseen: int = 0, kept: Mapping[str, Record] = MappingProxyType({})
+    trials: Sequence[Trial], folder: Path, workers: int, foreseen: int = 0, earlier: Mapping[str, Record] = MappingProxyType({})
 ) -> Iterator[Record]:
     """Records as they come in, one for each trial; leaving the iterator early stops all children.
 
-    Args: foreseen: trials that an engine will have in all, where there are more to come than these. kept: by trial, the record
-    of one of the same motion whose answer is judged anew, and simulated where its file is not as it was written.
+    Args: foreseen: trials that an engine will have in all, where there are more to come than these. earlier: by trial, the
+    record of one of the same motion whose answer is judged anew, and simulated where its file is not as it was written.
     A trial whose fork server died under it runs again, off a server of its own. Several threads may run this, each in a folder
     of its own.
     """
@@ -235,7 +235,7 @@ def run_isolated(
                 origin = _origin(trial, max(foreseen, engines[trial.engine]))
                 varied |= {origin} if origin.variables else set()
                 origin = replace(origin, only=trial.trial if trial.trial in forsaken else "")
-                started = _start(trial, origin, folder, logs, kept.get(trial.trial))
+                started = _start(trial, origin, folder, logs, earlier.get(trial.trial))
                 if isinstance(started, Record):
                     yield started
                 else:

@@ -145,11 +145,11 @@ def read_value(of: type, value: Any) -> Any:
         raise BrokenMessage(f"{where}: got {readable(repr(first['input']), 80)}: {first['msg']}") from None
 
 
-def read_record(trial: Trial, value: Any, kept: str = "") -> Record:
-    """The record that a child told of a trial. Args: kept: whose answer it may have judged. Raises: BrokenMessage."""
+def read_record(trial: Trial, value: Any, earlier: str = "") -> Record:
+    """The record that a child told of a trial. Args: earlier: whose answer it may have judged. Raises: BrokenMessage."""
     answer: Record = read_value(Record, value)
-    told = {name: getattr(answer, name) for name in _ANSWERED} | {"simulated_as": kept if answer.simulated_as else ""}
-    return replace(outcome(trial, answer.status, answer.reason), **told)
+    fields = {name: getattr(answer, name) for name in _ANSWERED} | {"simulated_as": earlier if answer.simulated_as else ""}
+    return replace(outcome(trial, answer.status, answer.reason), **fields)
 
 
 def read_sample(value: Any) -> Sample:

@@ -241,8 +241,8 @@ class Record:
     def unclocked(self) -> "Record":
         """The record as its accuracy run left it."""
         blank = {name: getattr(_BLANK, name) for name in _TIMED}
-        said = f"timing: {self.timing_note}"  # folders of older versions do not tell who said it
-        warnings = tuple(notice for notice in self.warnings if notice.by != "timing" and notice.text != said)
+        notice_of_timing = f"timing: {self.timing_note}"  # folders of older versions do not tell who said it
+        warnings = tuple(notice for notice in self.warnings if notice.by != "timing" and notice.text != notice_of_timing)
         return dataclasses.replace(self, warnings=warnings, timing_note="", **blank)
 
     @classmethod

@@ -44,8 +44,8 @@ def _acts(case: str) -> bool:
         return False
     if plugins.module_of("cases", case) is None:
         return True
-    known = plugins.case(case)
-    return known.control is not None or known.retellings is not None
+    question = plugins.case(case)
+    return question.control is not None or question.retellings is not None
 
 
 def _truth(case: str) -> frozenset[str]:

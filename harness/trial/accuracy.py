@@ -178,28 +178,28 @@ def run_trial(
 
 
 def judged_anew(
-    trial: Trial, case: Case, kept: Record, folder: Path, answered: Callable[[Record], object] | None = None
+    trial: Trial, case: Case, earlier: Record, folder: Path, answered: Callable[[Record], object] | None = None
 ) -> Record | None:
     """The record of a trial whose answer an earlier run kept: judged, not simulated; what was clocked of it stays.
 
-    Args: kept: its record then, of the same `motion`. Returns: None where the file of its trajectory is gone, damaged, or not
-    the answer to the trial's own scene.
+    Args: earlier: its record then, of the same `motion`. Returns: None where the file of its trajectory is gone, damaged,
+    or not the answer to the trial's own scene.
     """
     case = case.put(trial.parameters)
     scene, pace = trial.scene(case), Pace.of(trial.settings.pace, trial.settings.dt)
-    actual = None if kept.trajectory_hash is None else read_trajectory(folder, kept.trajectory_hash, scene)
+    actual = None if earlier.trajectory_hash is None else read_trajectory(folder, earlier.trajectory_hash, scene)
     if actual is None:
         return None
-    said = tuple(notice for notice in kept.warnings if notice.by == "engine")
-    answer = Answer(replace(actual, even=pace.even), kept.broke, kept.resolved, said, pace)
+    notices = tuple(notice for notice in earlier.warnings if notice.by == "engine")
+    answer = Answer(replace(actual, even=pace.even), earlier.broke, earlier.resolved, notices, pace)
     record = _judged(trial, case, scene, answer, folder, answered)
-    clocked = (notice for notice in kept.warnings if notice.by == "rough clock")
+    clocked = (notice for notice in earlier.warnings if notice.by == "rough clock")
     return replace(
         record,
         warnings=(*record.warnings, *clocked),
-        rough_cost=kept.rough_cost,
-        rough_ratio=kept.rough_ratio,
-        idle=kept.idle,
+        rough_cost=earlier.rough_cost,
+        rough_ratio=earlier.rough_ratio,
+        idle=earlier.idle,
     )
 
 

@@ -132,11 +132,11 @@ def errors_of(store: Store) -> Mapping[str, Errors]:
 def _of_equal_runs(store: Store, errors: Mapping[str, Errors]) -> dict[str, Errors]:
     """Of runs that other experiments made of the same scene, with the same bits."""
     asked = store.asked[store.asked["case"].isin({agreement.case for agreement in agreements(store)})]
-    known = {row.trajectory_hash: errors[row.trial] for row in asked.itertuples() if row.trial in errors}
+    by_motion = {row.trajectory_hash: errors[row.trial] for row in asked.itertuples() if row.trial in errors}
     return {
-        row.trial: known[row.trajectory_hash]
+        row.trial: by_motion[row.trajectory_hash]
         for row in asked.itertuples()
-        if row.trial not in errors and row.trajectory_hash in known
+        if row.trial not in errors and row.trajectory_hash in by_motion
     }
 
 
@@ -163,14 +163,14 @@ def ways(agreement: Agreement) -> tuple[str, Mapping[tuple[str, str], tuple[Floa
     Returns: 'engine, track' of the limit that is measured from, '' for the agreed one; and by engine and track the times (t,)
     s and the distances (t,), as shares of the size.
     """
-    known = [side for side in agreement.sides if side.limit.value is not None and side.limit.until > 0]
-    if not known:
+    sides = [side for side in agreement.sides if side.limit.value is not None and side.limit.until > 0]
+    if not sides:
         return "", {}
-    first = max(known, key=lambda side: side.limit.until)
+    first = max(sides, key=lambda side: side.limit.until)
     base, until = (agreement.limit, agreement.until) if agreement.limit is not None else (first.limit.value, first.limit.until)
     assert base is not None
     distances = {}
-    for side in known:
+    for side in sides:
         assert side.limit.value is not None
         end = min(until, side.limit.until)
         here, there = common([side.limit.value.between(0.0, end), base.between(0.0, end)])

@@ -37,8 +37,8 @@ def source_changes(pairs: Sequence[TrialPair]) -> Iterator[Change]:
         return {"engine": row.engine if origin == "adapter" else "", "case": row.case if origin == "case" else ""}
 
     def read(row: Any) -> dict[str, str]:
-        told = json.loads(getattr(row, "sources", "{}"))
-        return {origin: digest for origin, digest in told.items() if origin != "acting"}
+        sources = json.loads(getattr(row, "sources", "{}"))
+        return {origin: digest for origin, digest in sources.items() if origin != "acting"}
 
     return _counted("sources", pairs, read, about, "")
 

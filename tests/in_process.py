@@ -31,12 +31,12 @@ def in_this_process(patch: pytest.MonkeyPatch, cases: Mapping[str, Case] | None 
     """
 
     def answers(
-        trials: Sequence[Trial], folder: Path, _workers: int, kept: Mapping[str, Record] = MappingProxyType({})
+        trials: Sequence[Trial], folder: Path, _workers: int, earlier: Mapping[str, Record] = MappingProxyType({})
     ) -> Iterator[Record]:
         for trial in trials:
             answer = endure if trial.members > 1 else run_trial
             case = (cases or {}).get(trial.case) or plugins.case(trial.case)
-            known = kept.get(trial.trial)
+            known = earlier.get(trial.trial)
             if known is not None and (anew := judged_anew(trial, case, known, folder)) is not None:
                 yield replace(anew, simulated_as=known.simulated_as or known.trial)
             else:

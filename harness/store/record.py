@@ -233,7 +233,7 @@ class Record:
     @property
     def timing(self) -> Timing | None:
         """The outcome of its timing run; None without one."""
-        if not self.samples and not self.clocked and not self.timing_note:
+        if not self.samples and not self.clocked and not self.clocked_on and not self.timing_note:
             return None
         return Timing(trial=self.trial, note=self.timing_note, **{name: getattr(self, name) for name in _TIMED})
 

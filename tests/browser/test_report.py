@@ -293,7 +293,7 @@ def test_the_policy_itself_stops_a_script_that_slips_in(plain: Path, tmp_path: P
 def test_a_reader_weighs_engines_by_keyboard_and_leaves_some_out(plain: Path, visit: Any) -> None:
     seen = visit(plain / "select.html")
     page = seen.page
-    scores = "[...document.querySelectorAll('#places tbody tr:not([hidden])')].map(row => row.cells[6].textContent).join()"
+    scores = "[...document.querySelectorAll('#places tbody tr:not([hidden])')].map(row => row.cells[7].textContent).join()"
     before = page.evaluate(scores)
     speed = page.get_by_label("speed", exact=False).first
     speed.focus()

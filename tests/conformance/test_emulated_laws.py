@@ -165,7 +165,7 @@ def test_a_scene_says_which_features_it_uses(feature: Feature) -> None:
     if feature not in shapes:
         assert feature in features_of(scene)
         assert feature not in features_of(replace(scene, narrow=scene.effects & ~Effect.CONTACT)) or feature in (
-            Feature.KINEMATIC | Feature.PRESCRIBED_MOTION | Feature.COMPOUND | Feature.MASS_POINT
+            Feature.KINEMATIC | Feature.PRESCRIBED_MOTION | Feature.COMPOUND | Feature.MASS_POINT | Feature.MASSLESS
         )
     elif feature is not Feature.FULL_INERTIA:
         assert feature in features_of(replace(scene, widen=Effect.CONTACT))

@@ -2,12 +2,13 @@
 
 import pytest
 
-from plumbline.harness.findings.changes import Change, Changes, Side
+from plumbline.harness.findings.changes import Change, Changes
+from plumbline.harness.findings.changes.values import ComparedRun
 from plumbline.harness.findings.changes.words import folded, sentence, titled
 from plumbline.reports.standalone.what_changed import what_changed_page
 
 TITLES = {"stack_tower": "Tower of ten boxes", "dart": "DART", "joint_chain": "Chain with a heavy end"}
-SIDE = Side(
+SIDE = ComparedRun(
     folder="build/a", study="quick", started="2025-01-02T03:04:05+00:00", machine="", trials=9, versions=(("dart", "1"),)
 )
 

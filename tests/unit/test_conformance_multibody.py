@@ -33,7 +33,12 @@ def by_pinocchio(plan: Plan, scene: Scene) -> np.ndarray:
     joints = {joint.child: joint for joint in scene.joints if not isinstance(joint, Distance)}
     origins, numbers = {WORLD: np.zeros(3)}, {WORLD: 0}
     rates, efforts = np.zeros(0), np.zeros(0)
-    for body in scene.bodies:
+
+    def depth(name: str) -> int:
+        return 0 if name not in joints else 1 + depth(joints[name].parent)
+
+    # A body without mass may stand behind the one that it carries.
+    for body in sorted(scene.bodies, key=lambda body: depth(body.name)):
         joint = joints.get(body.name)
         v, w = np.array(body.v_WB), np.array(body.w_WB)
         if joint is None:

@@ -29,7 +29,7 @@ SHAPED = f'{INERTIAL}<collision><geometry><sphere radius="0.1"/></geometry></col
         ("[joints.k]\nposition = 0.1", "joint 'k' is not of the robot, expected one of 'j'"),
         ("[materials]\nleg = 'rubber'", "material of a link 'leg' is not of the robot"),
         ("look_at = ['head']", "look_at 'head' is not of the robot, expected one of 'base', 'arm', 'j'"),
-        ("drop = ['armor']", "drop > \\[0\\]|drop\\[0\\]: Input should be 'actuator'"),
+        ("drop = ['armor']", "drop: 'armor', expected one of actuator, .*did you mean armature"),
         ("[base]\nrpy = [0, 0, 0]\norientation = [1, 0, 0, 0]", "orientation and rpy are both given"),
         ("[[surfaces]]\nbetween = ['robot', 'moon']\n[ground]", "surface between 'moon' is not of the robot"),
     ],

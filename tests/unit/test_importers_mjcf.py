@@ -29,19 +29,17 @@ def law(scene: Scene, a: str, b: str) -> Surface:
     return scene.surface(scene.body(a), scene.body(b))
 
 
-def test_several_joints_of_one_body_are_a_chain_with_stated_masses_or_refused_by_name(tmp_path: Path) -> None:
+def test_several_joints_of_one_body_are_a_chain_without_masses_between_or_with_stated_ones(tmp_path: Path) -> None:
     text = mjcf(
         f'<joint name="x" type="slide" axis="1 0 0"/><joint name="z" type="slide"/>'
         f'<joint name="turn" axis="0 1 0" pos="0 0 .2"/>{BALL}'
     )
-    with pytest.raises(RobotError, match=r"<body> 'arm': several joints 'x', 'z', 'turn' move one body.*\[massless\]"):
-        imported(tmp_path, text)
+    names = [("x", "world", "arm.x"), ("z", "arm.x", "arm.z"), ("turn", "arm.z", "arm")]
+    bare = imported(tmp_path, text)
+    assert [(j.name, j.parent, j.child) for j in bare.scene.joints] == names
+    assert [body.mass for body in bare.scene.bodies if body.name in ("arm.x", "arm.z")] == [0.0, 0.0]
     got = imported(tmp_path, text, Companion(massless=Massless(mass=1e-9)))
-    assert [(j.name, j.parent, j.child) for j in got.scene.joints] == [
-        ("x", "world", "arm.x"),
-        ("z", "arm.x", "arm.z"),
-        ("turn", "arm.z", "arm"),
-    ]
+    assert [(j.name, j.parent, j.child) for j in got.scene.joints] == names
     assert got.scene.joints[2].anchor_W == (0, 0, 1.2)  # type: ignore[union-attr]
     assert row(got, "link without mass").count == 2
 

@@ -255,7 +255,7 @@ def test_load_gives_the_scene_of_a_file_and_of_a_case(tmp_path: Path) -> None:
 
 
 WRONG: tuple[tuple[Callable[[], Any], str], ...] = (
-    (lambda: plumbline.run("nowhere.urdf"), r"nowhere\.urdf: not readable"),
+    (lambda: plumbline.run("nowhere.urdf"), r"nowhere\.urdf: there is no such file in /"),
     (lambda: plumbline.run("flight_projectil"), "did you mean flight_projectile"),
     (lambda: plumbline.run("flight_box", "mujoko"), "'mujoko': not found, expected one of .*; did you mean mujoco"),
     (lambda: plumbline.run("flight_box", duration=3.0), "'flight_box': duration 3 s, expected none"),

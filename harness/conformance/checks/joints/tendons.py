@@ -9,6 +9,7 @@ from plumbline.harness.conformance.check import Finding, check, judge, near
 from plumbline.harness.conformance.runs import FINE, final
 from plumbline.harness.conformance.scenes import free
 from plumbline.harness.scene import WORLD, Drive, Limits, MomentArm, Prismatic, Revolute, Scene, Spring, Tendon
+from plumbline.harness.trajectory import Floats
 
 _MASSES = (2.0, 3.0)
 _MOMENT = 0.3
@@ -47,6 +48,11 @@ def _moved(stretch: float) -> tuple[float, float, float]:
     return first, second, turned
 
 
+def _turn_about_y(q: Floats) -> float:
+    """The angle [rad] within half a turn; q and -q are the same one."""
+    return 2 * float(np.arctan(q[2] / q[0]))
+
+
 @check(
     "Does the spring of a tendon pull at each joint by its arm, and at no other?",
     Feature.PRISMATIC | Feature.REVOLUTE | Feature.TENDON,
@@ -61,7 +67,7 @@ def tendon_spring_pulls_by_its_arms(adapter: Adapter, settings: Settings) -> Fin
     swing = sqrt(square - decay**2)
     left = stretch * exp(-decay * t) * (cos(swing * t) + decay / swing * sin(swing * t))
     first, second, turned = _moved(left - stretch)
-    wheel = 2 * float(np.arctan2(end.q_WB[2, 2], end.q_WB[2, 0]))
+    wheel = _turn_about_y(end.q_WB[2])
     return judge(
         near("ways of two slides [m]", end.p_WB[:2, 0], (first, second), _HALF_A_STEP, "half a step of motion"),
         near("turn of a wheel [rad]", wheel, turned, _HALF_A_STEP, "half a step of motion"),
@@ -81,7 +87,7 @@ def tendon_drive_and_limits_hold(adapter: Adapter, settings: Settings) -> Findin
     first, second, _ = _moved(_ANSWER * force * t * t / 2)
     stopped = _pulled(drive=Drive(damping=5.0, target_velocity=0.2), limits=Limits(upper=bound))
     end = final(adapter, stopped, settings.with_dt(FINE), 3.0)
-    wheel = 2 * float(np.arctan2(end.q_WB[2, 2], end.q_WB[2, 0]))
+    wheel = _turn_about_y(end.q_WB[2])
     length = float(np.dot(_ARMS, (*end.p_WB[:2, 0], wheel)))
     return judge(
         near("ways under the limit of a drive [m]", ways, (first, second), _HALF_A_STEP, "half a step of motion"),

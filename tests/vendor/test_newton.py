@@ -99,7 +99,7 @@ def test_restitution_is_xpbd_s_alone() -> None:
         ("xpbd as it comes", newton.solvers.SolverXPBD),
     ):
         builder = newton.ModelBuilder(gravity=(0.0, 0.0, 0.0))
-        config = newton.ModelBuilder.ShapeConfig(mu=0.0, density=0.0, restitution=0.8)
+        config = newton.ModelBuilder.ShapeConfig(mu=0.5, density=0.0, restitution=0.8)
         still = wp.transform((0.0, 0.0, 0.0), wp.quat_identity())
         builder.add_shape_plane(None, xform=still, width=0.0, length=0.0, cfg=config)
         ball = builder.add_body(

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from plumbline.harness.adapter import Unsupported
-from plumbline.harness.adapter.touching_kinds import Kind, touching_kinds
+from plumbline.harness.adapter.touching_kinds import Kind, mean_numbers, touching_kinds
 from plumbline.harness.scene import Effect, Scene, Surface
 
 
@@ -53,32 +53,17 @@ def _greater(pairs: Mapping[tuple[Kind, Kind], Surface], name: str) -> dict[Kind
             numbers[kind] = min(numbers.get(kind, np.inf), getattr(law, name))
     for (a, b), law in pairs.items():
         if max(numbers[a], numbers[b]) < getattr(law, name):
-            _refuse(law, name, "the greater")
+            what = f"{name.replace('_', ' ')} of {law.between[0]}/{law.between[1]}"
+            raise Unsupported(what, "MuJoCo-Warp takes the greater of two numbers; none give every pair its value")
     return numbers
 
 
 def _mean(pairs: Mapping[tuple[Kind, Kind], Surface], name: str) -> dict[Kind, float]:
-    """Numbers r >= 0 with (r_a + r_b)/2 = value for each pair, the rule of XPBD. Raises: Unsupported."""
-    from scipy.optimize import nnls
-
-    kinds = sorted({kind for pair in pairs for kind in pair})
-    if not kinds:
-        return {}
-    shares, values = np.zeros((len(pairs), len(kinds))), np.array([getattr(law, name) for law in pairs.values()])
-    for row, (a, b) in enumerate(pairs):
-        shares[row, kinds.index(a)] += 0.5
-        shares[row, kinds.index(b)] += 0.5
-    numbers = np.linalg.lstsq(shares, values, rcond=None)[0]
-    if numbers.min() < 0:
-        numbers, _ = nnls(shares, values)
-    off = np.abs(shares @ numbers - values)
-    if off.max() > 1e-9 * max(1.0, values.max()):
-        _refuse(list(pairs.values())[int(off.argmax())], name, "the mean")
-    return dict(zip(kinds, numbers.tolist(), strict=True))
-
-
-def _refuse(law: Surface, name: str, rule: str) -> None:
-    raise Unsupported(
-        f"{name.replace('_', ' ')} of {law.between[0]}/{law.between[1]}",
-        f"this solver takes {rule} of two numbers, one for each shape; none give every pair its value",
-    )
+    """Numbers with (r_a + r_b)/2 = value for each pair. Raises: Unsupported."""
+    numbers, missed = mean_numbers(pairs, name)
+    if missed is not None:
+        raise Unsupported(
+            f"{name.replace('_', ' ')} of {missed.between[0]}/{missed.between[1]}",
+            "XPBD takes the mean of two numbers, one for each shape; none give every pair its value",
+        )
+    return numbers

@@ -3,10 +3,8 @@
 from collections.abc import Mapping
 from typing import Any
 
-import numpy as np
-
 from plumbline.harness.adapter import Unsupported
-from plumbline.harness.adapter.touching_kinds import Kind, touching_kinds
+from plumbline.harness.adapter.touching_kinds import Kind, mean_numbers, touching_kinds
 from plumbline.harness.scene import Effect, Scene, Surface
 
 _GROUPS = 32
@@ -25,8 +23,8 @@ def materials_of(sapien: Any, scene: Scene) -> dict[Kind, Any]:
         if Effect.FRICTION in effects and law.static_friction > law.kinetic_friction:
             raise Unsupported(where, "PhysX holds a box at a slope of .45 between .4 and .6 and lets it slide at .5")
     rubs, bounces = Effect.FRICTION in effects, Effect.RESTITUTION in effects
-    friction = _halves(pairs, "kinetic_friction") if rubs else {}
-    restitution = _halves(pairs, "restitution") if bounces else {}
+    friction = _mean(pairs, "kinetic_friction") if rubs else {}
+    restitution = _mean(pairs, "restitution") if bounces else {}
     kinds = {(body.material, body.movable) for body in scene.bodies if body.collision}
     return {k: sapien.physx.PhysxMaterial(*(law.get(k, 0.0) for law in (friction, friction, restitution))) for k in kinds}
 
@@ -52,30 +50,6 @@ def patches_of(scene: Scene) -> dict[Kind, float]:
     return least
 
 
-def _halves(pairs: Mapping[tuple[Kind, Kind], Surface], name: str) -> dict[Kind, float]:
-    """Numbers r >= 0 with (r_a + r_b)/2 = value for each pair, PhysX's rule where none is told. Raises: Unsupported."""
-    from scipy.optimize import nnls
-
-    kinds = sorted({kind for pair in pairs for kind in pair})
-    if not kinds:
-        return {}
-    shares, values = np.zeros((len(pairs), len(kinds))), np.array([getattr(law, name) for law in pairs.values()])
-    for row, (a, b) in enumerate(pairs):
-        shares[row, kinds.index(a)] += 0.5
-        shares[row, kinds.index(b)] += 0.5
-    numbers = np.linalg.lstsq(shares, values, rcond=None)[0]
-    if numbers.min() < 0:
-        numbers, _ = nnls(shares, values)
-    off = np.abs(shares @ numbers - values)
-    if off.max() > 1e-9 * max(1.0, values.max()):
-        worst = list(pairs.values())[int(off.argmax())]
-        raise Unsupported(
-            f"{name.replace('_', ' ')} of {worst.between[0]}/{worst.between[1]}",
-            "SAPIEN takes the mean of two numbers, one for each material; none give every pair its value",
-        )
-    return dict(zip(kinds, numbers.tolist(), strict=True))
-
-
 def groups_of(scene: Scene) -> dict[str, tuple[int, int]]:
     """By material its type and its affinity, bits that keep it from what stands apart. Raises: Unsupported."""
     materials = sorted({body.material for body in scene.bodies if body.collision})
@@ -90,3 +64,14 @@ def groups_of(scene: Scene) -> dict[str, tuple[int, int]]:
             affinity[a] &= ~bits[b]
             affinity[b] &= ~bits[a]
     return {material: (bits[material], affinity[material]) for material in materials}
+
+
+def _mean(pairs: Mapping[tuple[Kind, Kind], Surface], name: str) -> dict[Kind, float]:
+    """Numbers with (r_a + r_b)/2 = value for each pair. Raises: Unsupported."""
+    numbers, missed = mean_numbers(pairs, name)
+    if missed is not None:
+        raise Unsupported(
+            f"{name.replace('_', ' ')} of {missed.between[0]}/{missed.between[1]}",
+            "SAPIEN takes the mean of two numbers, one for each material; none give every pair its value",
+        )
+    return numbers

@@ -1,4 +1,8 @@
-"""The kinds of body that can touch, with the law of contact of each pair of kinds."""
+"""The kinds of body that can touch, with the law of contact of each pair, and numbers of kinds that make such laws."""
+
+from collections.abc import Mapping
+
+import numpy as np
 
 from plumbline.harness.scene import Scene, Surface
 
@@ -29,3 +33,25 @@ def touching_kinds(scene: Scene) -> dict[tuple[Kind, Kind], Surface]:
         for b in bodies
         if a <= b and (a[1] or b[1]) and (a != b or bodies[a] > 1) and frozenset((a[0], b[0])) not in apart
     }
+
+
+def mean_numbers(pairs: Mapping[tuple[Kind, Kind], Surface], name: str) -> tuple[dict[Kind, float], Surface | None]:
+    """Numbers r >= 0, one for each kind, with (r_a + r_b)/2 = the value of each pair, for an engine that takes means.
+
+    Args: name: of the value, a field of `Surface`. Returns: the numbers, and the law that they miss most, if any.
+    """
+    from scipy.optimize import nnls
+
+    kinds = sorted({kind for pair in pairs for kind in pair})
+    if not kinds:
+        return {}, None
+    shares, values = np.zeros((len(pairs), len(kinds))), np.array([getattr(law, name) for law in pairs.values()])
+    for row, (a, b) in enumerate(pairs):
+        shares[row, kinds.index(a)] += 0.5
+        shares[row, kinds.index(b)] += 0.5
+    numbers = np.linalg.lstsq(shares, values, rcond=None)[0]
+    if numbers.min() < 0:
+        numbers, _ = nnls(shares, values)
+    off = np.abs(shares @ numbers - values)
+    missed = list(pairs.values())[int(off.argmax())] if off.max() > 1e-9 * max(1.0, values.max()) else None
+    return dict(zip(kinds, numbers.tolist(), strict=True)), missed

@@ -213,7 +213,7 @@ def _print(store: "Store", answer: "Answer", preset: str) -> None:
             track = evidence.tracks[entry.engine]
             rows.append([entry.number, called(entry.engine), track, first, *figures, score, *shares])
         heading = f"{100 * answer.wish.max_error:g} % error asked for{f' by preset {preset}' if preset else ''}"
-        print_table(f"{heading}", columns, rows)
+        print_table(heading, columns, rows)
         for sentence in COLUMN_WORDS:
             say(sentence)
         say("Score: 0 to 1, with its 95 % interval; beside a criterion, of how many cases.")

@@ -100,8 +100,8 @@ def several_joints_move_one_body(adapter: Adapter, settings: Settings) -> Findin
             "its velocity against the hinge's [m/s]",
             end.v_WB[1],
             _speed_at(end.v_WB[2], end.w_WB[2], swung),
-            0.02,
-            "as they meet",
+            3.0 * _HELD,
+            "3 rad/s times how far off the arm may be",
         ),
     )
 

@@ -15,8 +15,10 @@ _MASSES = (2.0, 3.0)
 _MOMENT = 0.3
 _ARMS = (1.0, -2.0, 0.5)
 """Of two slides along x and of a wheel about y [1, 1, m/rad]."""
-_HALF_A_STEP = 5e-3
-"""A staggered scheme of first order is off by v dt/2, half a millimetre at 1 m/s and 1 ms; ten times over."""
+_HALF_A_STEP = 0.5 * FINE
+"""A staggered scheme of first order is off by half a step of motion; no rate here comes to 1 m/s or 1 rad/s."""
+_GIVE = 1e-3
+"""What a stop that is a stiff spring may give way under 1 N [m]: as much as a contact may under weight."""
 
 
 def _pulled(*positions: float, **laws: Spring | Drive | Limits) -> Scene:
@@ -91,5 +93,5 @@ def tendon_drive_and_limits_hold(adapter: Adapter, settings: Settings) -> Findin
     length = float(np.dot(_ARMS, (*end.p_WB[:2, 0], wheel)))
     return judge(
         near("ways under the limit of a drive [m]", ways, (first, second), _HALF_A_STEP, "half a step of motion"),
-        near("length at its bound [m]", length, bound, 0.01, "a motor of 1 N against a stop that may be soft"),
+        near("length at its bound [m]", length, bound, _GIVE, "a motor of 1 N against a stop that may be soft"),
     )

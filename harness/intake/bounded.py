@@ -25,6 +25,8 @@ _READ = 2**20
 """Bytes that are read of what it printed, from the end."""
 _LOOKS = 0.02
 """Seconds between looks at it."""
+_DYING = 5.0
+"""Seconds that what was killed may take to be gone: the system ends it when it gets to it."""
 _PR_SET_PDEATHSIG = 1
 """From linux/prctl.h: the signal that a process gets when the one that forked it is gone."""
 _LIBRARY = ctypes.CDLL(None) if sys.platform == "linux" else None
@@ -168,7 +170,7 @@ def bounded(
 
 
 def end_with_started(pid: int, *, running: bool) -> None:
-    """Kill a process, its group, and, as long as it runs, every other one that was started in it."""
+    """Kill a process, its group, and, as long as it runs, every other one that was started in it; those are gone then."""
     import psutil  # late: a listing starts no program
 
     started: list[psutil.Process] = []
@@ -181,6 +183,11 @@ def end_with_started(pid: int, *, running: bool) -> None:
     for each in started:
         with suppress(psutil.Error):
             each.kill()
+    late = time.monotonic() + _DYING
+    for each in started[1:]:  # the process itself is waited for by whoever started it
+        with suppress(psutil.Error):
+            while each.is_running() and each.status() != psutil.STATUS_ZOMBIE and time.monotonic() < late:
+                time.sleep(_LOOKS / 10)
 
 
 def end_with_parent() -> None:

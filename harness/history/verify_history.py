@@ -10,10 +10,9 @@ from plumbline.harness.history.identity import acknowledged
 from plumbline.harness.history.readings import FOLDER
 from plumbline.harness.run.verify import Problem, problems
 from plumbline.harness.store import disk
-from plumbline.harness.store.arrays import read_arrays
+from plumbline.harness.store.arrays import kept_hash, read_arrays
 from plumbline.harness.store.journal import StoreError
 from plumbline.harness.store.seal import Damaged, require_seal
-from plumbline.harness.store.trajectory_file import kept_hash
 
 _AGAIN = "delete it; the next night computes it again"
 _KNOWN = ("history.json", "lock", "nights", "pool", "acknowledged.jsonl", FOLDER, "report")

@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 
 from plumbline.harness.metric import Metric, NotMeasurable, Run
-from plumbline.harness.statistics.proportion import wilson_interval
+from plumbline.harness.statistics.student import wilson_interval
 from plumbline.harness.trajectory import Floats
 
 Series = Callable[[Run], Floats]

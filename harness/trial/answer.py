@@ -18,12 +18,11 @@ from plumbline.harness.case.commands import acting
 from plumbline.harness.case.forces import Controlled
 from plumbline.harness.case.problem import Problem, Rays
 from plumbline.harness.case.symmetries import Retelling
-from plumbline.harness.store.notices import StoredNotice
+from plumbline.harness.store.record import StoredNotice
 from plumbline.harness.study.trial import Trial
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.trajectory.pace import Pace
-from plumbline.harness.trial.equivalent_runs import equivalent_run, equivalent_streams
-from plumbline.harness.trial.paced import check_paced, paced
+from plumbline.harness.trial.equivalent_runs import check_paced, equivalent_run, equivalent_streams, paced
 from plumbline.harness.trial.readings_due import readings_due
 from plumbline.harness.trial.simulate import simulate
 

@@ -28,7 +28,7 @@ from tests.unit.test_history_news import FILE
 @pytest.fixture
 def words(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> list[str | Path]:
     """A night of four answers of one engine, in h."""
-    monkeypatch.setattr("plumbline.harness.findings.vendor.finding.shelf", tuple)
+    monkeypatch.setattr("plumbline.harness.findings.vendor_findings.shelf", tuple)
     (tmp_path / "few.toml").write_text(FILE)
     return ["nightly", "--history", tmp_path / "h", "--study", tmp_path / "few.toml", "--engine", "mujoco", "--no-report"]
 

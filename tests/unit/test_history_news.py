@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from plumbline.harness.findings.changes.words import command, sentence
-from plumbline.harness.findings.vendor.finding import shelf
+from plumbline.harness.findings.vendor_findings import shelf
 from plumbline.harness.history.folder import opened, stamp_of
 from plumbline.harness.history.identity import Named, acknowledge, change_id
 from plumbline.harness.history.night_policy import Asked
@@ -144,7 +144,7 @@ def test_the_command_ends_with_one_where_a_gated_engine_is_worse_and_gives_the_s
     # Each finding about an engine is a process a night: one of them in one night shows that nights ask.
     finding = next(each for each in shelf() if each.engine == "mujoco")
     on_the_shelf = iter([(), (finding,), ()])
-    monkeypatch.setattr("plumbline.harness.findings.vendor.finding.shelf", lambda: next(on_the_shelf))
+    monkeypatch.setattr("plumbline.harness.findings.vendor_findings.shelf", lambda: next(on_the_shelf))
     study, root, mail = tmp_path / "few.toml", tmp_path / "h", tmp_path / "mail"
     study.write_text(FILE)
     words = ["nightly", "--history", root, "--study", study, "--engine", "mujoco", "--no-report"]

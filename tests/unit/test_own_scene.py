@@ -27,7 +27,7 @@ from plumbline.harness.findings.prices import Prices
 from plumbline.harness.findings.selection import Wish, choose
 from plumbline.harness.findings.selection.evidence import DECADES_OF_SPEED
 from plumbline.harness.findings.selection.words import headline
-from plumbline.harness.findings.sensor_readings.converged import converged_readings
+from plumbline.harness.findings.sensor_readings.ideal import converged_readings
 from plumbline.harness.run.campaign import carry_out
 from plumbline.harness.scene import Body, Imu, Scene, sphere_inertia
 from plumbline.harness.scene.file import dump_toml, load
@@ -35,8 +35,7 @@ from plumbline.harness.store.journal import read_journal
 from plumbline.harness.store.store import Store
 from plumbline.harness.study import plugins
 from plumbline.harness.study.experiment import Refinement
-from plumbline.harness.study.own_scene import study_of
-from plumbline.harness.study.study import Study
+from plumbline.harness.study.study import Study, study_of
 from plumbline.reports import build, write_recordings
 from plumbline.reports.html import report as html
 from plumbline.reports.page import pages

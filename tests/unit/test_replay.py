@@ -28,8 +28,7 @@ from plumbline.harness.scene.importers.start_pose import started_at
 from plumbline.harness.store.imported_scenes import keep
 from plumbline.harness.study import plugins
 from plumbline.harness.study.experiment import Refinement
-from plumbline.harness.study.own_scene import study_of
-from plumbline.harness.study.study import Study
+from plumbline.harness.study.study import Study, study_of
 from plumbline.harness.trajectory import State
 from plumbline.harness.trajectory.carried_inertia import carried
 from plumbline.harness.trajectory.pace import Pace

@@ -14,16 +14,15 @@ from typing import Any
 import pandas as pd
 
 from plumbline.harness.findings.columns import Column, Row, Table, names, scene
-from plumbline.harness.findings.once import once
+from plumbline.harness.findings.cost_point import BlockSample, SampledBlock, ratio_in_blocks, samples_by_block
 from plumbline.harness.findings.parameter_words import in_words, other_values, where_of
-from plumbline.harness.findings.samples import BlockSample, SampledBlock, ratio_in_blocks, samples_by_block
 from plumbline.harness.search.better import ANSWERED, UNDER, Comparison, Question, compared, run_of
 from plumbline.harness.search.dominance import MAYBE, kept_parameters
 from plumbline.harness.statistics.interval import Interval
-from plumbline.harness.store.rows import grouped, records
+from plumbline.harness.store.rows import grouped, once, records
 from plumbline.harness.store.store import Store
+from plumbline.harness.study.experiment import experiments_of
 from plumbline.harness.study.one_knob import OPTION, Turn, turn_between
-from plumbline.harness.study.stored_study import experiments_of
 
 DOMINATED, EXCUSED = "dominated", "excused"
 """The verdicts of a change that beats the track, without and with a reason of the adapter's."""

@@ -104,7 +104,7 @@ def _moved(a: "RobotFacts", b: "RobotFacts", options: dict[str, Any], as_json: b
     """Both under the same torques. Raises: RobotError, Unsupported."""
     import numpy as np
 
-    from plumbline.harness.intake.refusal import RobotError
+    from plumbline.harness.intake.error import RobotError
     from plumbline.harness.scene.parity.comparison import EARTH, aligned
     from plumbline.harness.scene.parity.motion import Configuration
     from plumbline.harness.scene.parity.parting import motion_of, parting

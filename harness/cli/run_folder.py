@@ -184,7 +184,7 @@ def serve(folder: Path, port: int) -> None:
 def verify(folder: Path) -> None:
     """Check each file of DIR, a run or a history, against its checksum and the journal; a line for what is not as written."""
     from plumbline.harness.history.folder import opened as opened_history
-    from plumbline.harness.history.verify_history import problems_of
+    from plumbline.harness.history.retention import problems_of
     from plumbline.harness.run.verify import notices, problems
 
     history = opened_history(folder) if (folder / "history.json").is_file() else None

@@ -16,8 +16,7 @@ from plumbline.api.engines import chosen_engines
 from plumbline.api.present import present
 from plumbline.harness.cli.guard import GATE, INTERRUPTED, USAGE, check_words, fail_for, say, stop
 from plumbline.harness.cli.options import agreed, limited
-from plumbline.harness.cli.own_import import scene_to_run
-from plumbline.harness.cli.own_scene import closing_count, closing_words, waiting
+from plumbline.harness.cli.own_scene import closing_count, closing_words, scene_to_run, waiting
 from plumbline.harness.cli.robot_options import NAMES, is_robot, is_scene, robot_options, run_options
 from plumbline.harness.cli.zoo_run import ZOO, run_zoo
 from plumbline.harness.findings.effects_audit import audit, idle, scenes_of

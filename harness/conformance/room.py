@@ -9,8 +9,7 @@ import numpy as np
 
 from plumbline.harness.adapter import Adapter, Settings, Simulation
 from plumbline.harness.conformance.check import Comparison, near
-from plumbline.harness.conformance.exact import first_hit, rotation
-from plumbline.harness.conformance.scenes import TURNED, free, static
+from plumbline.harness.conformance.exact import TURNED, first_hit, free, rotation, static
 from plumbline.harness.scene import (
     Appearance,
     Body,

@@ -16,7 +16,7 @@ import tomli_w
 from plumbline.harness.adapter import Adapter
 from plumbline.harness.case import Case
 from plumbline.harness.case.alteration import ALONE
-from plumbline.harness.case.own_titles import called
+from plumbline.harness.case.undropped import called
 from plumbline.harness.run.fork_servers import expect, preloads
 from plumbline.harness.run.interrupt import TimeIsUp, stop_if_asked
 from plumbline.harness.run.isolated import run_isolated

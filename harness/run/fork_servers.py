@@ -258,7 +258,7 @@ _QUESTIONS = (
 )
 """Where SciPy is imported within functions, so that a listing need not wait for it, and where trials call them."""
 _OWN_SCENE = "plumbline.harness.case.scene_file"
-_NOISE = "plumbline.harness.sensors.imu_noise"
+_NOISE = "plumbline.harness.sensors.imu"
 """What every scene of a user's own imports and inertial units alone call: its filter costs as much as all else together."""
 
 

@@ -20,7 +20,7 @@ from pathlib import Path
 import numpy as np
 
 from plumbline.harness.case import Case, Unit
-from plumbline.harness.case.own_titles import called
+from plumbline.harness.case.undropped import called
 from plumbline.harness.run.interrupt import stop_if_asked
 from plumbline.harness.run.timed_processes import Team, ready_teams
 from plumbline.harness.statistics.interval import interval_of_median, with_drift

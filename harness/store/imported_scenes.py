@@ -13,7 +13,7 @@ import tomli_w
 from pydantic import FiniteFloat, TypeAdapter, ValidationError
 from typing_extensions import TypedDict
 
-from plumbline.harness.case.own_titles import OWN
+from plumbline.harness.case.undropped import OWN
 from plumbline.harness.case.undropped import beside as undropped_beside
 from plumbline.harness.scene import PlacedShape
 from plumbline.harness.scene.file import dump_toml

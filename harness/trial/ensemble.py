@@ -23,7 +23,7 @@ from plumbline.harness.adapter import Adapter, Diverged, SettingsError, Unavaila
 from plumbline.harness.case import Case
 from plumbline.harness.case.starts import Member, member
 from plumbline.harness.metric import NotMeasurable
-from plumbline.harness.metric.starts import START
+from plumbline.harness.metric.series import START
 from plumbline.harness.metrics.collapse import SIGNS, collapse_time, first_break
 from plumbline.harness.metrics.stack import standing_height
 from plumbline.harness.scene import Scene

@@ -8,7 +8,7 @@ from urllib.parse import quote
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup, escape
 
-from plumbline.harness.case.own_titles import called
+from plumbline.harness.case.undropped import called
 from plumbline.harness.findings import parameter_words
 from plumbline.harness.findings.emulations import share_in_words
 from plumbline.harness.findings.parameter_words import substeps_of

@@ -13,8 +13,7 @@ from plumbline.harness.findings.summary import summaries
 from plumbline.harness.history.answer_store import Pool
 from plumbline.harness.history.folder import History, opened
 from plumbline.harness.history.regressions import read_trends
-from plumbline.harness.history.retention import prune, pruning
-from plumbline.harness.history.verify_history import problems_of
+from plumbline.harness.history.retention import problems_of, prune, pruning
 from plumbline.harness.run import verify
 from plumbline.harness.store import disk
 from plumbline.harness.store.journal import Journal

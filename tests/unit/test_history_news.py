@@ -18,8 +18,8 @@ from plumbline.harness.history.folder import opened, stamp_of
 from plumbline.harness.history.identity import Named, acknowledge, change_id
 from plumbline.harness.history.night_policy import Asked
 from plumbline.harness.history.regressions import read_trends
+from plumbline.harness.history.retention import problems_of
 from plumbline.harness.history.sentences import unanswered_in_short, worse_in_short
-from plumbline.harness.history.verify_history import problems_of
 from plumbline.harness.run import campaign
 from plumbline.harness.run.interrupt import TimeIsUp, naming
 from plumbline.harness.store.journal import Journal, read_journal

@@ -11,16 +11,15 @@ from typing import Any
 import numpy as np
 import pytest
 
-from plumbline.harness.case.own_titles import title_of
 from plumbline.harness.case.scene_file import own_case
+from plumbline.harness.case.undropped import title_of
 from plumbline.harness.cli.own_scene import closing_count, closing_words, waiting
 from plumbline.harness.findings import tables
 from plumbline.harness.findings.agreement.costs import best_price, best_setting
 from plumbline.harness.findings.agreement.found import agreements, errors_of
-from plumbline.harness.findings.agreement.happened import happenings
+from plumbline.harness.findings.agreement.happened import happenings, words_so_far
 from plumbline.harness.findings.agreement.perturbed_starts import balances, outlooks
 from plumbline.harness.findings.agreement.setting_causes import Turned, settings_turned
-from plumbline.harness.findings.agreement.so_far import words_so_far
 from plumbline.harness.findings.agreement.values import Side, Word
 from plumbline.harness.findings.agreement.words import cut_words
 from plumbline.harness.findings.prices import Prices

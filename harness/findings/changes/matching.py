@@ -11,7 +11,7 @@ from operator import attrgetter
 from pathlib import PurePath
 from typing import Any
 
-from plumbline.harness.case.own_titles import OWN
+from plumbline.harness.case.undropped import OWN
 from plumbline.harness.findings.parameter_words import substeps_of, where_of
 from plumbline.harness.store.store import Store
 

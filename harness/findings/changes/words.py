@@ -5,7 +5,7 @@ import shlex
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
 
-from plumbline.harness.case.own_titles import OWN
+from plumbline.harness.case.undropped import OWN
 from plumbline.harness.findings.changes.matching import LOST
 from plumbline.harness.findings.changes.values import Change, Changes, Judged, Value
 from plumbline.harness.findings.parameter_words import step_in_words

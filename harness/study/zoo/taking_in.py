@@ -13,9 +13,8 @@ from typing import Literal
 from plumbline.harness.adapter import Unavailable, Unsupported
 from plumbline.harness.case.undropped import KINDS
 from plumbline.harness.intake.apart import NoAnswer, apart
-from plumbline.harness.intake.error import PlumblineError
+from plumbline.harness.intake.error import PlumblineError, RobotError
 from plumbline.harness.intake.import_wishes import Wishes
-from plumbline.harness.intake.refusal import RobotError
 from plumbline.harness.scene import Prismatic, Revolute, Scene
 from plumbline.harness.scene.importers.companion import Companion
 from plumbline.harness.scene.importers.imported import Imported

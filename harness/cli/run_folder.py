@@ -255,7 +255,7 @@ def figure(folder: Path, case: str, chart: str | None, form: str, width: int, ou
     """
     from plumbline.harness.store import disk
     from plumbline.reports.html.drawing import Drawing
-    from plumbline.reports.html.written import NotMade, picture_file
+    from plumbline.reports.html.written import NotWritten, picture_file
     from plumbline.reports.paper.figures import Printed, figures_of
 
     store = opened(folder)
@@ -264,7 +264,7 @@ def figure(folder: Path, case: str, chart: str | None, form: str, width: int, ou
     if not drawn:
         raise click.UsageError(f"case '{case}' has no trial with a number to draw{f' as {chart}' if chart else ''}")
     disk.make_folder(out)
-    failures: dict[str, NotMade] = {}
+    failures: dict[str, NotWritten] = {}
     with Drawing(folder) as beside:
         files = {f"{made.name}.{form}": beside.ask(Printed(made, form, width)) for _, made in drawn}
         for name, waiting in files.items():

@@ -15,9 +15,8 @@ from plumbline.harness.case import Case, Converged
 from plumbline.harness.case.own_truth import breaks
 from plumbline.harness.metric import Metric, NotMeasurable
 from plumbline.harness.scene import Scene
-from plumbline.harness.store.notices import StoredNotice, short_of
-from plumbline.harness.store.record import Measurement, Record, Status
-from plumbline.harness.store.trajectory_file import as_kept, read_trajectory, save_trajectory
+from plumbline.harness.store.arrays import as_kept, read_trajectory, save_trajectory
+from plumbline.harness.store.record import Measurement, Record, Status, StoredNotice, short_of
 from plumbline.harness.study.trial import Trial
 from plumbline.harness.trajectory import Trajectory
 from plumbline.harness.trajectory.pace import Pace

@@ -12,11 +12,13 @@ if TYPE_CHECKING:
     from plumbline import engine
 
 __all__ = [
+    "EULER",
     "EXACT",
     "SEQUENTIAL",
     "SOFT",
     "SOFT_OPTIONS",
     "SUITED",
+    "SWEEPS",
     "UNSET",
     "UNSUBSTEPPED",
     "WHOLE_STEPS",
@@ -61,8 +63,9 @@ anew, as sub-steps do not, and divides what Runge-Kutta would take whole."""
 LEFT_OUT = 1e-8
 """Share of a sub-step's way that semi-implicit Euler may leave out in joint coordinates: what its first order errs by, h times
 the angular velocities, is larger at any step above a microsecond."""
-UNSUBSTEPPED = 4
-"""Sub-steps of the soft solver where the settings leave them open."""
+UNSUBSTEPPED, SWEEPS = 4, 2
+"""Sub-steps of the soft solver, and sweeps of each, where the settings leave them open and no tree of joints touches
+anything."""
 CONTINUOUS = ("speculative", "swept")
 """What the effect of continuous collision may mean; the first unless set."""
 SOFT_OPTIONS = (

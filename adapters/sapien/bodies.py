@@ -138,7 +138,7 @@ class Bodies:
 def check_body(body: Body) -> None:
     """Raises: Unsupported, for shapes that PhysX has not, and for no mass."""
     if body.massless:
-        raise Unsupported(f"body '{body.name}' without mass", "the adapter tells PhysX bodies with mass alone")
+        raise Unsupported(f"body '{body.name}' without mass", "PhysX takes a link without mass for one of a kilogram")
     for placed in body.collision:
         match placed.shape:
             case Ellipsoid():

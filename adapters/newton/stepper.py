@@ -34,8 +34,9 @@ class Side:
     @classmethod
     def of(cls, state: Any) -> "Side":
         """A state of a model, whose arrays are seen in place."""
-        arrays = (state.body_q, state.body_qd, state.body_f, state.joint_q, state.joint_qd)
-        return cls(state, *(np.zeros((0, 7)) if array is None else view(array) for array in arrays))
+        shapes = {"body_q": (0, 7), "body_qd": (0, 6), "body_f": (0, 6), "joint_q": (0,), "joint_qd": (0,)}
+        arrays = ((getattr(state, name), shape) for name, shape in shapes.items())
+        return cls(state, *(np.zeros(shape) if array is None else view(array) for array, shape in arrays))
 
 
 class NoContacts:

@@ -82,10 +82,11 @@ def _told(vendor: Vendor, scene: Scene, used: Settings) -> tuple[Any, Bodies, Jo
 
 
 def _pipeline(vendor: Vendor, model: Any, used: Settings, effects: Effect) -> Any:
-    """What finds contacts for XPBD; MuJoCo-Warp finds its own."""
-    if used.solver != "xpbd":
-        return None
-    return vendor.newton.CollisionPipeline(model) if Effect.CONTACT in effects else NoContacts()
+    """What finds contacts, where MuJoCo-Warp does not find its own."""
+    touches = Effect.CONTACT in effects
+    if used.solver == "xpbd":
+        return vendor.newton.CollisionPipeline(model) if touches else NoContacts()
+    return vendor.newton.CollisionPipeline(model) if touches and used.options["contacts"] == "newton" else None
 
 
 def _softness(used: Settings) -> tuple[float, float]:
@@ -144,6 +145,7 @@ def _solver(vendor: Vendor, model: Any, used: Settings, effects: Effect, room: t
         integrator=used.integrator,
         cone=options["cone"],
         impratio=options["impratio"],
+        use_mujoco_contacts=options["contacts"] == "mujoco" or Effect.CONTACT not in effects,
         disable_contacts=Effect.CONTACT not in effects,
         nconmax=room[0] or None,
         njmax=room[1],

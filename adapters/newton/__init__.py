@@ -18,9 +18,9 @@ Deviations:
     * MuJoCo-Warp's contacts, limits and loops are soft, by a time constant of .02 s on 'default': the vendor's ke and kd of a
       shape are read as that and a damping ratio of 1, whatever the mass. On 'tuned' limits and dry friction are held at two
       steps, as `adapters.mujoco` measured.
-    * MuJoCo-Warp's own collisions find one point of contact for pairs of shapes without a rule of their own (a box, hull or lying
-      cylinder on a cylinder, hull or mesh, a hull or lying cylinder on a box): what lies so sinks by 3.7 to 4.1 mm on 'default'.
-      On 'tuned' Newton's collisions find four, and what lies stays: .2 mm at most.
+    * MuJoCo-Warp's own collisions find one point of contact for pairs of shapes without a rule of their own (a box, hull or
+      lying cylinder on a cylinder, hull or mesh, a hull or lying cylinder on a box): what lies so sinks by 3.7 to 4.1 mm on
+      'default'. On 'tuned' Newton's collisions find four, and what lies sinks by .3 mm at most.
     * Of two coefficients of friction MuJoCo-Warp takes the greater, XPBD the mean: each kind of body is told a number from
       which its pairs come out as the scene says, and surfaces that no numbers give are refused. Friction has one coefficient.
       'default' has pyramids, whose edges are up to 41 % off. What has no friction is told contacts of one dimension: a
@@ -149,8 +149,8 @@ ADAPTER = NewtonAdapter(
                 "limit_steps": 2.0,
             },
             source="Newton's own contacts, as in its examples of robots (use_mujoco_contacts=False); elliptic cones, impratio "
-            "above 1: MuJoCo documentation, Modeling, preventing slip; contacts of 20 steps (at four a sliding box hops by 19 mm: measured here), of ratio 1.2, limits and dry friction of two steps, ratio "
-            "1.7: measured on MuJoCo (`adapters.mujoco`)",
+            "above 1: MuJoCo documentation, Modeling, preventing slip; contacts of 20 steps (at four a sliding box hops by 19 mm: "
+            "measured here), of ratio 1.2, limits and dry friction of two steps, ratio 1.7: measured on MuJoCo (`adapters.mujoco`)",
         ),
     },
     known_failures={

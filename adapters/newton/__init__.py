@@ -149,8 +149,9 @@ ADAPTER = NewtonAdapter(
                 "limit_steps": 2.0,
             },
             source="Newton's own contacts, as in its examples of robots (use_mujoco_contacts=False); elliptic cones, impratio "
-            "above 1: MuJoCo documentation, Modeling, preventing slip; contacts of 20 steps (at four a sliding box hops by 19 mm: "
-            "measured here), of ratio 1.2, limits and dry friction of two steps, ratio 1.7: measured on MuJoCo (`adapters.mujoco`)",
+            "above 1: MuJoCo documentation, Modeling, preventing slip; contacts of 20 steps (at four a sliding box hops by 19 "
+            "mm: measured here), of ratio 1.2, limits and dry friction of two steps, ratio 1.7: measured on MuJoCo "
+            "(`adapters.mujoco`)",
         ),
     },
     known_failures={

@@ -23,7 +23,6 @@ from plumbline.engine.memory.carve import floats_of, ints_of
 from plumbline.engine.respond.pair import Motion
 from plumbline.engine.respond.softness import REBOUND, STUCK, TOUCHING, Softness
 
-
 STRANDS = 4
 """Parts of a world whose contacts are swept in turns."""
 
@@ -134,7 +133,9 @@ def push_again(touches: Touches, end: int, share: float, first: int = 0) -> None
             store3(mover, a, 3, axpy(-mover[a, at.M_INV_INERTIA] * (touch[t, at.T_RADIUS_A] + half), turn, load3(mover, a, 3)))
             if key[t, at.K_MOVES] == 1:
                 store3(mover, b, 0, axpy(mover[b, at.M_INV_MASS], impulse, load3(mover, b, 0)))
-                store3(mover, b, 3, axpy(-mover[b, at.M_INV_INERTIA] * (touch[t, at.T_RADIUS_B] + half), turn, load3(mover, b, 3)))
+                store3(
+                    mover, b, 3, axpy(-mover[b, at.M_INV_INERTIA] * (touch[t, at.T_RADIUS_B] + half), turn, load3(mover, b, 3))
+                )
 
 
 @kernel

@@ -13,8 +13,7 @@ from plumbline.harness.findings.tables.throughput import TABLE, Throughput, thro
 from plumbline.harness.props.robots.arm import LOAD_MASS, grasping_arm
 from plumbline.harness.scene import EARTH_GRAVITY, Prismatic, Revolute
 from plumbline.harness.store.journal import Journal
-from plumbline.harness.store.notices import StoredNotice
-from plumbline.harness.store.record import Measurement, Record, Timing
+from plumbline.harness.store.record import Measurement, Record, StoredNotice, Timing
 from plumbline.harness.store.store import Store, write_json
 from plumbline.harness.trajectory import Trajectory
 from tests.charts import checked

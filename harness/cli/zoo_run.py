@@ -105,7 +105,7 @@ def carried_out(
     if (folder / "journal.jsonl").exists() and not resume:
         raise FolderTaken(f"{folder}: holds a run already; add --resume to go on with it, or choose another --out")
     entries = taken_in(folder, robots, tuple(adapters), workers)
-    going_in = [entry for entry in entries if entry.stage == "in"]
+    going_in = sorted((entry for entry in entries if entry.stage == "in"), key=lambda entry: (entry.bodies, entry.name))
     say(f"{len(going_in)} of {len(entries)} robots go in; show --table zoo says why the others do not", err=True)
     if not going_in:
         raise StudyError(f"no robot goes in, first: {entries[0].name}: {entries[0].reason}")

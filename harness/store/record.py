@@ -207,6 +207,8 @@ class Record:
         motion: the digest of all that moves the run, and of nothing that judges it; '' in folders of older versions.
         simulated_as: of a kept answer that was judged anew, the trial that simulated it; '' of one that was simulated.
         broke: when and how it diverged, None where it did not; no column.
+        memory [B]: by how much the process of the accuracy run grew while worlds were built and stepped; None of a case without
+        a number of worlds, and in folders of older versions.
     """
 
     trial: str
@@ -262,6 +264,7 @@ class Record:
     idle: tuple[tuple[str, Any], ...] = ()
     motion: str = ""
     simulated_as: str = ""
+    memory: float | None = None
     broke: str | None = None
     measurements: tuple[Measurement, ...] = ()
     samples: tuple[Sample, ...] = ()

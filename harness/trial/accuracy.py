@@ -190,7 +190,7 @@ def judged_anew(
     if actual is None:
         return None
     notices = tuple(notice for notice in earlier.warnings if notice.by == "engine")
-    answer = RunAnswer(replace(actual, even=pace.even), earlier.broke, earlier.resolved, notices, pace)
+    answer = RunAnswer(replace(actual, even=pace.even), earlier.broke, earlier.resolved, notices, pace, memory=earlier.memory)
     record = _judged(trial, case, scene, answer, folder, answered)
     clocked = (notice for notice in earlier.warnings if notice.by == "rough clock")
     return replace(
@@ -220,6 +220,7 @@ def _judged(
         warnings=warnings,
         sim_seconds=answer.sim_seconds,
         steps=answer.steps,
+        memory=answer.memory,
     )
     if answered is not None:
         answered(plain)

@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 from typing import Any, cast
 
 import numpy as np
+import psutil
 
 from plumbline.harness.adapter import Adapter, Diverged, Feature, Notice, Settings, Simulation, Unsupported
 from plumbline.harness.adapter.many_worlds import WorldOf, spread
@@ -98,7 +99,7 @@ class RunAnswer:
     """What an engine made of a scene.
 
     Terms: broke: when and how it diverged, None where it did not. pace: of its steps. cpu [s]: that they took, once and from
-    cold; 0 where nobody asks.
+    cold; 0 where nobody asks. memory [B]: by how much the process grew while worlds were built and stepped; None of others.
     """
 
     actual: Trajectory
@@ -107,6 +108,7 @@ class RunAnswer:
     warnings: tuple[StoredNotice, ...]
     pace: Pace
     cpu: float = 0.0
+    memory: float | None = None
 
     @property
     def steps(self) -> int:
@@ -176,6 +178,7 @@ def _stepped(trial: Trial, problem: Problem, adapter: Adapter, pace: Pace) -> Ru
         return cast(Simulation, step_time)
 
     simulation: Simulation
+    occupied, memory = _resident() if problem.worlds else 0.0, None
     if problem.worlds > 1:
         if not pace.even:
             raise Unsupported("many worlds under uneven steps", "a batch of worlds takes even steps")
@@ -202,6 +205,7 @@ def _stepped(trial: Trial, problem: Problem, adapter: Adapter, pace: Pace) -> Ru
         )
         if scene.sensors and problem.readings_due:
             seen |= readings_due(scene, actual)
+        memory = _resident() - occupied if problem.worlds else None
         if problem.worlds and broke is None:
             apart = 0.0 if batch is None else spread(batch, len(scene.bodies))
             seen |= {"worlds/time": actual.time[-1:], "worlds/spread": np.array([apart])}
@@ -216,7 +220,13 @@ def _stepped(trial: Trial, problem: Problem, adapter: Adapter, pace: Pace) -> Ru
             streams, remarks = equivalent_streams(other, adapter, trial.settings, problem.duration, problem.sample_interval)
             seen, warnings = seen | streams, (*warnings, *map(StoredNotice, remarks))
     cpu = 0.0 if step_time is None else step_time.cpu
-    return RunAnswer(replace(actual, streams={**actual.streams, **seen}), broke, resolved, warnings, pace, cpu)
+    return RunAnswer(replace(actual, streams={**actual.streams, **seen}), broke, resolved, warnings, pace, cpu, memory)
+
+
+def _resident() -> float:
+    """Memory [B] that this process holds of its own, what it shares with its fork server left out."""
+    info = psutil.Process().memory_info()
+    return float(info.rss - getattr(info, "shared", 0))
 
 
 def _stored(warnings: tuple[str | Notice, ...]) -> tuple[StoredNotice, ...]:

@@ -1,4 +1,6 @@
-"""A room of six walls, whose ranges have a closed form, and a body that flies and turns in it with sensors mounted askew."""
+"""Running a scene on an adapter; and a room of six walls, whose ranges have a closed form, in which a body flies and turns with
+sensors mounted askew.
+"""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -9,7 +11,7 @@ import numpy as np
 
 from plumbline.harness.adapter import Adapter, Settings, Simulation
 from plumbline.harness.conformance.check import Compared, near
-from plumbline.harness.conformance.exact import TURNED, first_hit, free, rotation, static
+from plumbline.harness.conformance.scenes import TURNED, first_hit, free, rotation, static
 from plumbline.harness.scene import (
     Appearance,
     Body,

@@ -1,4 +1,6 @@
-"""A night's work in blocks, one for each experiment and case, and what earlier nights say of each: cost, trouble, last seen."""
+"""A night's work in blocks, one for each experiment and case: what earlier nights say of each (cost, trouble, last seen), in
+which order the night goes through them, and which its budget leaves out.
+"""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import InitVar, dataclass, field, fields, replace

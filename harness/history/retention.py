@@ -1,4 +1,6 @@
-"""What of a history may go: old nights, answers that no night asks for any more, trajectories that none keeps."""
+"""What a history holds, whether that is still what was written, and what of it may go: old nights, answers that no night asks
+for any more, trajectories that none keeps.
+"""
 
 import json
 import shutil

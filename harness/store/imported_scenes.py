@@ -1,4 +1,6 @@
-"""What robots of a run became: scene, companion and fidelity table of each import, sealed, in a folder named by its content."""
+"""What robots of a run became: scene, companion and fidelity table of each import, sealed, in a folder named by its content;
+and what a comparison of robot files came to.
+"""
 
 import hashlib
 import json

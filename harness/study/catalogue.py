@@ -1,4 +1,6 @@
-"""Cases and engines in words: the rows of the listings, kept in each run folder so that it explains itself."""
+"""Cases and engines in words: the rows of the listings, kept in each run folder so that it explains itself; and a trial read
+back from there, so that it can be run again.
+"""
 
 import json
 from dataclasses import asdict

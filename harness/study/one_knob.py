@@ -1,4 +1,6 @@
-"""One knob at another value: which such turns there are, what settings they make and are called, and which lies between two."""
+"""One knob at another value: which such turns there are, what settings they make and are called, and which lies between two;
+and what tells the settings of one trial from those of another.
+"""
 
 import json
 from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence

@@ -1,4 +1,5 @@
-"""What would decide between engines: the case and engine of which a built-in study, run further, can move the answer most.
+"""What would decide between engines, and what would turn the answer: another weight of a criterion or of a family of cases, one
+case less, or the case and engine of which a built-in study, run further, can move it most.
 
 Speeds are read off the steps that were run. `accuracy` runs a case's ladder: at its largest step an engine that errs less than
 asked may be faster by as much as that step is larger; one that errs more comes down to the error asked for at a smaller step,

@@ -15,10 +15,11 @@ import pandas as pd
 
 from plumbline.harness.findings.columns import Column, Row, Table, names, scene
 from plumbline.harness.findings.cost_point import BlockSample, SampledBlock, ratio_in_blocks, samples_by_block
+from plumbline.harness.findings.once import once
 from plumbline.harness.findings.parameter_words import in_words, other_values, where_of
 from plumbline.harness.search.dominance import ANSWERED, MAYBE, UNDER, Comparison, Question, compared, kept_parameters, run_of
 from plumbline.harness.statistics.interval import Interval
-from plumbline.harness.store.rows import grouped, once, records
+from plumbline.harness.store.rows import grouped, records
 from plumbline.harness.store.store import Store
 from plumbline.harness.study.experiment import experiments_of
 from plumbline.harness.study.one_knob import OPTION, KnobTurn, turn_between

@@ -6,8 +6,8 @@ import numpy as np
 
 from plumbline.harness.adapter import Adapter, Feature, Settings
 from plumbline.harness.conformance.check import CheckResult, check, judge, near
-from plumbline.harness.conformance.exact import angle_between, free
 from plumbline.harness.conformance.room import FINE, built, final, record, state_of
+from plumbline.harness.conformance.scenes import angle_between, free
 from plumbline.harness.scene import (
     WORLD,
     Body,

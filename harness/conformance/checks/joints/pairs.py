@@ -8,7 +8,6 @@ from plumbline.harness.adapter import Adapter, Settings
 from plumbline.harness.case.commands import acting
 from plumbline.harness.case.forces import Velocities
 from plumbline.harness.conformance.check import CheckResult, Compared, all_near, check, judge
-from plumbline.harness.conformance.exact import angle_between
 from plumbline.harness.conformance.pairs import (
     ASTRAY,
     DURATION,
@@ -23,6 +22,7 @@ from plumbline.harness.conformance.pairs import (
     task,
 )
 from plumbline.harness.conformance.room import ROUNDING, built, state_of
+from plumbline.harness.conformance.scenes import angle_between
 from plumbline.harness.scene import Scene
 from plumbline.harness.trajectory import State
 

@@ -6,7 +6,8 @@ import numpy as np
 
 from plumbline.harness.adapter import Adapter, Feature, Settings, SettingsError, Unsupported
 from plumbline.harness.conformance.check import CheckResult, NotApplicable, check, judge, near
-from plumbline.harness.conformance.exact import (
+from plumbline.harness.conformance.room import COARSE, FINE, ROUNDING, built, final, record, state_of
+from plumbline.harness.conformance.scenes import (
     TURNED,
     G,
     angle_between,
@@ -17,7 +18,6 @@ from plumbline.harness.conformance.exact import (
     turning,
     without_gravity,
 )
-from plumbline.harness.conformance.room import COARSE, FINE, ROUNDING, built, final, record, state_of
 from plumbline.harness.scene import WORLD, Revolute, Scene, axis_angle
 
 

@@ -4,7 +4,8 @@ import numpy as np
 
 from plumbline.harness.adapter import Adapter, Feature, Settings
 from plumbline.harness.conformance.check import CheckResult, check, judge, near
-from plumbline.harness.conformance.exact import (
+from plumbline.harness.conformance.room import COARSE, FINE, ROUNDING, built, final, state_of
+from plumbline.harness.conformance.scenes import (
     TURNED,
     angle_between,
     floor,
@@ -15,7 +16,6 @@ from plumbline.harness.conformance.exact import (
     turning,
     without_gravity,
 )
-from plumbline.harness.conformance.room import COARSE, FINE, ROUNDING, built, final, state_of
 from plumbline.harness.scene import Body, Box, PlacedShape, Scene, Sphere
 from plumbline.harness.trajectory import State
 

@@ -7,8 +7,8 @@ from scipy.integrate import solve_ivp
 
 from plumbline.harness.adapter import Adapter, Feature, Settings
 from plumbline.harness.conformance.check import CheckResult, check, judge, near
-from plumbline.harness.conformance.exact import G, angle_between, free
 from plumbline.harness.conformance.room import FINE, final
+from plumbline.harness.conformance.scenes import G, angle_between, free
 from plumbline.harness.scene import (
     WORLD,
     Body,

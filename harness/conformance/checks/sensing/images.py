@@ -8,8 +8,8 @@ import numpy as np
 
 from plumbline.harness.adapter import Adapter, Feature, Settings
 from plumbline.harness.conformance.check import CheckResult, check, judge, near, that
-from plumbline.harness.conformance.exact import rotation, static
 from plumbline.harness.conformance.room import built
+from plumbline.harness.conformance.scenes import rotation, static
 from plumbline.harness.scene import (
     WORLD,
     Appearance,

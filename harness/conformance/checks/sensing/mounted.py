@@ -12,7 +12,6 @@ import numpy as np
 
 from plumbline.harness.adapter import Adapter, Feature, Settings
 from plumbline.harness.conformance.check import CheckResult, check, judge, near, that
-from plumbline.harness.conformance.exact import G, rotation, turned_by
 from plumbline.harness.conformance.room import (
     COARSE,
     MOUNT,
@@ -27,6 +26,7 @@ from plumbline.harness.conformance.room import (
     three,
     worst,
 )
+from plumbline.harness.conformance.scenes import G, rotation, turned_by
 from plumbline.harness.scene import (
     AxisNoise,
     Imu,

@@ -180,7 +180,7 @@ def reproduce(folder: Path, trial: str) -> None:
     from plumbline.harness.run.isolated import run_isolated
     from plumbline.harness.store.machine_fingerprint import fingerprint
     from plumbline.harness.study import plugins
-    from plumbline.harness.study.catalogue import trial_of
+    from plumbline.harness.study.reproduce import trial_of
 
     store = opened(folder)
     again = trial_of(store, trial)

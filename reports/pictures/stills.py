@@ -18,7 +18,7 @@ from plumbline.reports.drawn.picture import picture
 from plumbline.reports.drawn.solids import DrawnSolid, solids_of
 from plumbline.reports.drawn.stage_set import stage_set
 from plumbline.reports.drawn.view import Spheres, View, framed
-from plumbline.reports.recordings.camera import anchors_of, around_held, half_sides, held_by, reach
+from plumbline.reports.recordings.camera import anchors_of, around_held, held_by, reach
 from plumbline.reports.recordings.rotation import Floats
 from plumbline.reports.recordings.runs import Stage
 from plumbline.reports.recordings.truth import told_places, truth_at
@@ -201,13 +201,8 @@ def _framing(stage: Stage, motions: Sequence[_Motion]) -> tuple[Floats, Floats, 
     lows = [(motion.p[:, places] - sizes[:, None]).min(axis=(0, 1)) for motion in motions]
     highs = [(motion.p[:, places] + sizes[:, None]).max(axis=(0, 1)) for motion in motions]
     low, high = np.median(lows, axis=0), np.median(highs, axis=0)
-    low, high = around_held(stage, low, high)
-    if any(sensor["type"] == "lidar" for sensor in stage.scene.get("sensors", [])) or sizes.max() <= 1e-6:
-        for body in stage.bodies:  # what a scan sees is part of the show, and all of it where what moves has no shape
-            sides = half_sides(body)
-            if body["motion"] == "static" and sides.any():
-                low = np.minimum(low, np.asarray(body["p_WB"]) - sides)
-                high = np.maximum(high, np.asarray(body["p_WB"]) + sides)
+    # All of it where what moves has no shape.
+    low, high = around_held(stage, low, high, all_of_it=bool(sizes.max() <= 1e-6))
     larger = max(1.0, SMALLEST * float(np.linalg.norm(high - low)) / float(sizes.max()))
     return low - (larger - 1.0) * sizes.max(), high + (larger - 1.0) * sizes.max(), larger
 

@@ -97,11 +97,18 @@ def anchors_of(stage: Stage) -> Floats:
     return np.array(anchors, dtype=np.float64).reshape(-1, 3)
 
 
-def around_held(stage: Stage, low: Floats, high: Floats) -> tuple[Floats, Floats]:
-    """The box of what moves, grown around where joints hang it on what never moves and what holds it there."""
+def around_held(stage: Stage, low: Floats, high: Floats, *, all_of_it: bool = False) -> tuple[Floats, Floats]:
+    """The box of what moves, grown around where joints hang it on what never moves, what holds it there, and what a scan sees.
+
+    Args: all_of_it: grown around all that never moves?
+    """
     centres, radii = held_by(stage, low, high)
-    points = np.concatenate([anchors_of(stage), centres - radii[:, None], centres + radii[:, None], [low, high]])
-    return points.min(axis=0), points.max(axis=0)
+    points = [anchors_of(stage), centres - radii[:, None], centres + radii[:, None], [low, high]]
+    if all_of_it or any(sensor["type"] == "lidar" for sensor in stage.scene.get("sensors", [])):
+        still = ((np.asarray(body["p_WB"]), half_sides(body)) for body in stage.bodies if body["motion"] == "static")
+        points += [[p - sides, p + sides] for p, sides in still if sides.any()]
+    corners = np.concatenate(points)
+    return corners.min(axis=0), corners.max(axis=0)
 
 
 def bounds(paths: Sequence[Floats], sizes: Floats) -> tuple[Floats, Floats]:
@@ -132,15 +139,7 @@ def framing(stage: Stage) -> Framing:
     if not places or not paths:
         return Framing(np.zeros(3), 1.0, np.array([2.0, -2.0, 1.5]), np.zeros(3), -1.0, 1.0)
     low, high = bounds(paths, np.array([reach(stage.bodies[index]) for index in places]))
-    low, high = around_held(stage, low, high)
-    if any(sensor["type"] == "lidar" for sensor in stage.scene.get("sensors", [])):
-        # What a scan sees is part of the show.
-        for body in stage.bodies:
-            sides = half_sides(body)
-            if body["motion"] == "static" and sides.any():
-                low = np.minimum(low, np.asarray(body["p_WB"]) - sides)
-                high = np.maximum(high, np.asarray(body["p_WB"]) + sides)
-    return framed(low, high)
+    return framed(*around_held(stage, low, high))
 
 
 def framed(low: Floats, high: Floats) -> Framing:

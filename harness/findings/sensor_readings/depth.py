@@ -16,8 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from plumbline.harness.findings.sensor_readings.channel import Channel
-from plumbline.harness.findings.sensor_readings.noise import Noise, NoiseCurve, lost_share, spread, spread_interval
+from plumbline.harness.findings.sensor_readings.channel import Channel, Noise, NoiseCurve, lost_share, spread, spread_interval
 from plumbline.harness.scene import DepthCamera, Lidar, LidarNoise
 from plumbline.harness.trajectory import Floats
 

@@ -14,7 +14,7 @@ import pandas as pd
 from plumbline.harness.findings.columns import known
 from plumbline.harness.findings.once import once
 from plumbline.harness.findings.parameter_words import where_of
-from plumbline.harness.findings.sensor_readings.channel import RAYS, Channel, channels, rays_of
+from plumbline.harness.findings.sensor_readings.channel import RAYS, SILENT, Channel, Noise, NoiseCurve, channels, rays_of
 from plumbline.harness.findings.sensor_readings.depth import depth_levels, depth_noise, range_histogram, ranging_noise
 from plumbline.harness.findings.sensor_readings.ideal import (
     CameraPicture,
@@ -26,7 +26,6 @@ from plumbline.harness.findings.sensor_readings.ideal import (
     lag_of,
 )
 from plumbline.harness.findings.sensor_readings.inertial import allan_curve, inertial_noise
-from plumbline.harness.findings.sensor_readings.noise import SILENT, Noise, NoiseCurve
 from plumbline.harness.scene import Lidar, Scene
 from plumbline.harness.scene.file import parse
 from plumbline.harness.store.journal import StoreError

@@ -10,8 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from plumbline.harness.findings.sensor_readings.channel import Channel
-from plumbline.harness.findings.sensor_readings.noise import Noise, NoiseCurve, spread_interval
+from plumbline.harness.findings.sensor_readings.channel import Channel, Noise, NoiseCurve, spread_interval
 from plumbline.harness.metrics.inertial_noise import expected_variance, octaves, overlapping_variance, variance_of_mean, windows
 from plumbline.harness.scene import AxisNoise, Imu
 from plumbline.harness.statistics.interval import Interval

@@ -2,7 +2,7 @@
 what its rays cost.
 
 One row a channel of a sensor on an engine and track; see `harness.findings.sensor_readings.findings.Finding` and, for
-the columns law to walk, `harness.findings.sensor_readings.noise.Noise`.
+the columns law to walk, `harness.findings.sensor_readings.channel.Noise`.
 """
 
 from collections.abc import Mapping, Sequence
@@ -10,8 +10,8 @@ from typing import Any
 
 from plumbline.harness.findings.columns import Column, Row, Table, names, scene, side, spread
 from plumbline.harness.findings.parameter_words import columns_with_substeps, with_substeps
+from plumbline.harness.findings.sensor_readings.channel import Noise
 from plumbline.harness.findings.sensor_readings.findings import SKETCHES, SensorFinding, findings
-from plumbline.harness.findings.sensor_readings.noise import Noise
 from plumbline.harness.store.store import Store
 
 OF_NOISE = tuple(name for name in names(Noise) if name not in ("count", "why"))

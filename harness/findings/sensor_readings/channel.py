@@ -1,5 +1,5 @@
-"""The channels of a trial's sensors: what was read, what an ideal sensor would have read, what the truth says it should; and what
-is found of its noise beside what its law says.
+"""The channels of a trial's sensors: what was read, what an ideal sensor would have read, what the truth says it should; and
+what is found of its noise beside what its law says.
 """
 
 import math

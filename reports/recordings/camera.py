@@ -103,10 +103,10 @@ def around_held(stage: Stage, low: Floats, high: Floats, *, all_of_it: bool = Fa
     Args: all_of_it: grown around all that never moves?
     """
     centres, radii = held_by(stage, low, high)
-    points = [anchors_of(stage), centres - radii[:, None], centres + radii[:, None], [low, high]]
+    points = [anchors_of(stage), centres - radii[:, None], centres + radii[:, None], np.stack([low, high])]
     if all_of_it or any(sensor["type"] == "lidar" for sensor in stage.scene.get("sensors", [])):
         still = ((np.asarray(body["p_WB"]), half_sides(body)) for body in stage.bodies if body["motion"] == "static")
-        points += [[p - sides, p + sides] for p, sides in still if sides.any()]
+        points += [np.stack([p - sides, p + sides]) for p, sides in still if sides.any()]
     corners = np.concatenate(points)
     return corners.min(axis=0), corners.max(axis=0)
 

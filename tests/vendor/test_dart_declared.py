@@ -110,7 +110,18 @@ ROOMS = ("constraint", "dynamics", "collision", "simulation", "utils")
 
 @pytest.mark.parametrize(
     "word",
-    ["continuous", "sweep", "rolling", "torsion", "armature", "rotor", "staticfriction", "distancejoint", "springdamper"],
+    [
+        "continuous",
+        "sweep",
+        "rolling",
+        "torsion",
+        "armature",
+        "rotor",
+        "staticfriction",
+        "distancejoint",
+        "springdamper",
+        "tendon",
+    ],
 )
 def test_nothing_in_dartpy_has_such_a_name(word: str) -> None:
     """Neither a class, nor a method of a joint, a surface, a body, a world or a solver."""

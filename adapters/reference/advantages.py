@@ -36,7 +36,8 @@ _AHEAD = Advantage(
 _SETTINGS = "tuned, another engine errs no more than ours: what parts them is what the vendors' defaults add"
 _FIRM = Advantage(
     by="solver",
-    why="contacts under links are a hundred times as stiff as between loose bodies: as soft as those ours errs 8.8e-5, MuJoCo 3.4e-6",
+    why="contacts under links are a hundred times as stiff as between loose bodies: as soft as those ours errs 8.8e-5, "
+    "MuJoCo 3.4e-6",
 )
 _STATIC = Advantage(by="own law", why="no other engine here has static friction above kinetic: each refuses the scene")
 _OFF = Advantage(

@@ -35,8 +35,8 @@ from plumbline.engine.maths.rows import Floats
 from plumbline.engine.memory import arena as at
 from plumbline.engine.memory.tables import Bodies, Joints
 
-AHEAD: Final = np.array([0, 1 / 5, 3 / 10, 4 / 5, 8 / 9, 1, 1])
-"""Where in a step each stage is."""
+METHOD: Final = np.column_stack((A, [0, 1 / 5, 3 / 10, 4 / 5, 8 / 9, 1, 1]))
+"""As `RK4`."""
 
 SLOWEST = 1e-3
 """Rates [rad/s or m/s] are taken as at least this large: at a tolerance of 1e-12, what is less of their error is round-off."""
@@ -95,7 +95,7 @@ def dormand_prince(
         left = end - done
         cut = stride >= left
         h = left if cut else min(stride, 0.5 * left)
-        go_through_stages(tables, bodies, joints, setting, h, gyroscopic, A, AHEAD, trial)
+        go_through_stages(tables, bodies, joints, setting, h, gyroscopic, METHOD, trial)
         error = largest_error(tables, trial, h)
         accepted, stride = next_stride(error, setting[0, at.STEP_TOLERANCE], h, stride, cut, rejected)
         rejected = not accepted

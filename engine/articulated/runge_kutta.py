@@ -34,11 +34,11 @@ from plumbline.engine.memory.tables import Bodies, Joints
 POSE: Final = 7
 """Numbers of a link's pose in y."""
 
-RK4: Final = np.array([[0, 0, 0, 0], [1 / 2, 0, 0, 0], [0, 1 / 2, 0, 0], [0, 0, 1, 0], [1 / 6, 1 / 3, 1 / 3, 1 / 6]])
-"""a_ij, the weights of the end last."""
-
-AHEAD: Final = np.array([0, 1 / 2, 1 / 2, 1, 1])
-"""Where in a step each stage is, and the end."""
+RK4_STAGES: Final = 4
+RK4: Final = np.array(
+    [[0, 0, 0, 0, 0], [1 / 2, 0, 0, 0, 1 / 2], [0, 1 / 2, 0, 0, 1 / 2], [0, 0, 1, 0, 1], [1 / 6, 1 / 3, 1 / 3, 1 / 6, 1]]
+)
+"""Of each stage a_ij, and where in a step it is; the weights of the end last."""
 
 
 class Trial(NamedTuple):
@@ -181,15 +181,14 @@ def go_through_stages(
     setting: Floats,
     h: float,
     gyroscopic: int,
-    a: Floats,
-    ahead: Floats,
+    method: Floats,
     trial: Trial,
 ) -> None:
     """Go on by h from y, where accelerations are known, to its end, counting what joints carry.
 
-    Args: a, ahead: of the method, the weights of the end last. Where there are as many slopes as rows, the end has one as well.
+    Args: method: as `RK4`. Where there are as many slopes as rows, the end has one as well.
     """
-    y, k, last = trial.y, trial.k, a.shape[0] - 1
+    y, k, a, last = trial.y, trial.k, method, method.shape[0] - 1
     write_slope(tables, k, 0)
     add_reactions(tables, joints, h * a[last, 0])
     for i in range(1, last + 1):
@@ -200,7 +199,7 @@ def go_through_stages(
                 for j in range(k.shape[1]):
                     y[1, j] += h * a[i, s] * k[s, j]
         scatter(tables, y, 1)
-        bases_at(tables, bodies, trial, ahead[i] * h)
+        bases_at(tables, bodies, trial, a[i, a.shape[1] - 1] * h)
         if i < k.shape[0]:
             find_accelerations(tables, bodies, joints, setting, gyroscopic)
             if i < last:
@@ -230,5 +229,5 @@ def runge_kutta(
     gather(tables, trial.y, 0)
     keep_beside(tables, bodies, joints, trial)
     find_accelerations(tables, bodies, joints, setting, gyroscopic)
-    go_through_stages(tables, bodies, joints, setting, dt, gyroscopic, RK4, AHEAD, trial)
+    go_through_stages(tables, bodies, joints, setting, dt, gyroscopic, RK4, trial)
     return act_at_end(tables, bodies, joints, setting, dt, gyroscopic) if ends else True

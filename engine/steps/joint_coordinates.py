@@ -8,7 +8,13 @@ from plumbline.engine.articulated.column_momenta import begin_column_momenta, ra
 from plumbline.engine.articulated.dormand_prince import dormand_prince as dormand_prince_tree
 from plumbline.engine.articulated.implicit_midpoint import implicit_midpoint as implicit_midpoint_tree
 from plumbline.engine.articulated.momenta import begin_momenta, damp_over, write_kept_velocities
-from plumbline.engine.articulated.runge_kutta import RK4, ends_with_laws, mark_stiff_columns, room_for_trials, runge_kutta
+from plumbline.engine.articulated.runge_kutta import (
+    RK4_STAGES,
+    ends_with_laws,
+    mark_stiff_columns,
+    room_for_trials,
+    runge_kutta,
+)
 from plumbline.engine.articulated.semi_implicit_euler import semi_implicit_euler
 from plumbline.engine.articulated.tables import tables_of
 from plumbline.engine.compile.jit import entry
@@ -131,7 +137,7 @@ def step_joint_coordinates_runge_kutta(floats: Floats, ints: Ints, steps: int) -
     bodies, joints, tables = bodies_of(floats, ints), joints_of(floats, ints), tables_of(floats, ints)
     setting, count = floats_of(floats, ints, at.SETTING), ints_of(ints, at.COUNT)
     dt, gyroscopic = setting[0, at.DT], count[0, at.GYROSCOPIC]
-    done, status, trial = 0, DONE, room_for_trials(tables, joints, RK4.shape[1])
+    done, status, trial = 0, DONE, room_for_trials(tables, joints, RK4_STAGES)
     if count[0, at.STEPS] == 0 and steps > 0:
         mark_stiff_columns(tables, bodies, joints, dt)
     take_jumps(tables, bodies, joints)

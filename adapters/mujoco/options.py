@@ -74,7 +74,7 @@ def _one_of(*names: str) -> tuple[Callable[[Any], bool], str]:
 _TRUE_OR_FALSE: tuple[Callable[[Any], bool], str] = (lambda v: isinstance(v, bool), "true or false")
 BOUNDS: Mapping[str, tuple[Callable[[Any], bool], str]] = {
     "cone": _one_of("pyramidal", "elliptic"),
-    "impratio": _number(1e-3, 1e6),
+    "impratio": _number(1e-6, 1e6),
     "jacobian": _one_of("dense", "sparse", "auto"),
     "noslip_iterations": _integer(0, 10_000),
     "ls_iterations": _integer(1, 10_000),

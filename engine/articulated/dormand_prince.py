@@ -17,13 +17,13 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from plumbline.engine.articulated import tables as tree
-from plumbline.engine.articulated.advance import add_reactions, change_rates, rates_of
+from plumbline.engine.articulated.advance import add_reactions, change_rates
 from plumbline.engine.articulated.articulated_body import accelerations
 from plumbline.engine.articulated.bases import carry_bases
 from plumbline.engine.articulated.bounded import solve_laws
 from plumbline.engine.articulated.forces import load_links
 from plumbline.engine.articulated.laws import STIFF_ALONE
-from plumbline.engine.articulated.motion import move_links
+from plumbline.engine.articulated.motion import move_links, rates_of
 from plumbline.engine.articulated.runge_kutta import push_columns
 from plumbline.engine.articulated.tables import Tables
 from plumbline.engine.compile.jit import kernel

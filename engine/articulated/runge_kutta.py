@@ -8,13 +8,13 @@ Source: Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, sect
 """
 
 from plumbline.engine.articulated import tables as tree
-from plumbline.engine.articulated.advance import add_reactions, change_rates, rates_of
+from plumbline.engine.articulated.advance import add_reactions, change_rates
 from plumbline.engine.articulated.articulated_body import accelerations
 from plumbline.engine.articulated.bases import carry_bases, free_columns
 from plumbline.engine.articulated.bounded import solve_laws
 from plumbline.engine.articulated.forces import load_links, weigh_links
 from plumbline.engine.articulated.laws import STIFF_ALONE
-from plumbline.engine.articulated.motion import move_links
+from plumbline.engine.articulated.motion import move_links, rates_of
 from plumbline.engine.articulated.tables import Tables
 from plumbline.engine.compile.jit import kernel
 from plumbline.engine.constrain.coordinate import explicit_force

@@ -23,6 +23,9 @@ from plumbline.engine.memory.carve import floats_of, ints_of
 from plumbline.engine.respond.pair import Motion
 from plumbline.engine.respond.softness import REBOUND, STUCK, TOUCHING, Softness
 
+STRANDS = 4
+"""Parts of a world whose contacts are swept in turns."""
+
 
 class Touches(NamedTuple):
     """The contacts of spheres: what a sweep reads, what it needs less often, their keys, and the bodies that they move.
@@ -48,7 +51,7 @@ class Levers(NamedTuple):
     arm_b: float
 
 
-@kernel
+@inlined
 def touches_of(floats: Floats, ints: Ints) -> Touches:
     """The contacts of spheres of an arena."""
     surface = floats_of(floats, ints, at.SURFACE)
@@ -86,6 +89,12 @@ def add_to_sum(touch: Floats, t: int, share: float) -> Vec:
     return impulse
 
 
+@inlined
+def stride_of(first: int, end: int) -> int:
+    """The rows between one contact of a sweep and the next."""
+    return max((end - first + STRANDS - 1) // STRANDS, 1)
+
+
 @kernel
 def note_strikes(touches: Touches, count: int, setting: Floats, h: float, slow: float, counted: float) -> int:
     """As `substep.approach`: note what is about to strike, and drop impulses that are no guess for a blow.
@@ -114,15 +123,19 @@ def note_strikes(touches: Touches, count: int, setting: Floats, h: float, slow: 
 def push_again(touches: Touches, end: int, share: float, first: int = 0) -> None:
     """Apply the impulses of the last sub-step, and count a share of them to the step's: 0 for those of the step before."""
     touch, key, mover = touches.touch, touches.key, touches.mover
-    for t in range(first, end):
-        a, b, n = key[t, at.K_BODY_A], key[t, at.K_BODY_B], load3(touch, t, 0)
-        tangent, half = load3(touch, t, at.T_TANGENT), 0.5 * touch[t, at.T_GAP]
-        impulse, turn = add_to_sum(touch, t, share), cross(n, tangent)
-        store3(mover, a, 0, axpy(-mover[a, at.M_INV_MASS], impulse, load3(mover, a, 0)))
-        store3(mover, a, 3, axpy(-mover[a, at.M_INV_INERTIA] * (touch[t, at.T_RADIUS_A] + half), turn, load3(mover, a, 3)))
-        if key[t, at.K_MOVES] == 1:
-            store3(mover, b, 0, axpy(mover[b, at.M_INV_MASS], impulse, load3(mover, b, 0)))
-            store3(mover, b, 3, axpy(-mover[b, at.M_INV_INERTIA] * (touch[t, at.T_RADIUS_B] + half), turn, load3(mover, b, 3)))
+    stride = stride_of(first, end)
+    for start in range(first, min(first + stride, end)):
+        for t in range(start, end, stride):
+            a, b, n = key[t, at.K_BODY_A], key[t, at.K_BODY_B], load3(touch, t, 0)
+            tangent, half = load3(touch, t, at.T_TANGENT), 0.5 * touch[t, at.T_GAP]
+            impulse, turn = add_to_sum(touch, t, share), cross(n, tangent)
+            store3(mover, a, 0, axpy(-mover[a, at.M_INV_MASS], impulse, load3(mover, a, 0)))
+            store3(mover, a, 3, axpy(-mover[a, at.M_INV_INERTIA] * (touch[t, at.T_RADIUS_A] + half), turn, load3(mover, a, 3)))
+            if key[t, at.K_MOVES] == 1:
+                store3(mover, b, 0, axpy(mover[b, at.M_INV_MASS], impulse, load3(mover, b, 0)))
+                store3(
+                    mover, b, 3, axpy(-mover[b, at.M_INV_INERTIA] * (touch[t, at.T_RADIUS_B] + half), turn, load3(mover, b, 3))
+                )
 
 
 @kernel
@@ -207,21 +220,23 @@ def press_spheres(touches: Touches, end: int, soft: Softness, first: int = 0) ->
     Neither changes the velocity that the other answers, so that both are taken from one.
     """
     touch, rest, key, mover = touches.touch, touches.rest, touches.key, touches.mover
-    for t in range(first, end):
-        a, b, n = key[t, at.K_BODY_A], key[t, at.K_BODY_B], load3(touch, t, 0)
-        s, before, held = touch[t, at.T_GAP], touch[t, at.T_NORMAL], load3(touch, t, at.T_TANGENT)
-        motion, levers = moving(mover, a, b), levers_of(touch, mover, t, a, b)
-        along, slip = way_of(motion, levers.arm_a, levers.arm_b, n)
-        bias, hard, keep = s / soft.h, 1.0, 0.0
-        if s <= 0.0:
-            bias, hard, keep = max(soft.bias_rate * s, -soft.max_push), soft.mass_scale, soft.impulse_scale
-        impulse = max(fma(-touch[t, at.T_NORMAL_MASS] * hard, along + bias, fma(-keep, before, before)), 0.0)
-        after = rub(held, touch[t, at.T_TANGENT_MASS], slip, touch[t, at.T_FRICTION] * before)
-        touch[t, at.T_NORMAL] = impulse
-        store3(touch, t, at.T_TANGENT, after)
-        if touches.elastic == 1:
-            rest[t, at.R_SPIKE] = max(rest[t, at.R_SPIKE], impulse)
-        store_moving(mover, a, b, key[t, at.K_MOVES], answer(levers, n, impulse - before, sub(after, held), motion))
+    stride = stride_of(first, end)
+    for start in range(first, min(first + stride, end)):
+        for t in range(start, end, stride):
+            a, b, n = key[t, at.K_BODY_A], key[t, at.K_BODY_B], load3(touch, t, 0)
+            s, before, held = touch[t, at.T_GAP], touch[t, at.T_NORMAL], load3(touch, t, at.T_TANGENT)
+            motion, levers = moving(mover, a, b), levers_of(touch, mover, t, a, b)
+            along, slip = way_of(motion, levers.arm_a, levers.arm_b, n)
+            bias, hard, keep = s / soft.h, 1.0, 0.0
+            if s <= 0.0:
+                bias, hard, keep = max(soft.bias_rate * s, -soft.max_push), soft.mass_scale, soft.impulse_scale
+            impulse = max(fma(-touch[t, at.T_NORMAL_MASS] * hard, along + bias, fma(-keep, before, before)), 0.0)
+            after = rub(held, touch[t, at.T_TANGENT_MASS], slip, touch[t, at.T_FRICTION] * before)
+            touch[t, at.T_NORMAL] = impulse
+            store3(touch, t, at.T_TANGENT, after)
+            if touches.elastic == 1:
+                rest[t, at.R_SPIKE] = max(rest[t, at.R_SPIKE], impulse)
+            store_moving(mover, a, b, key[t, at.K_MOVES], answer(levers, n, impulse - before, sub(after, held), motion))
 
 
 @kernel
@@ -233,24 +248,26 @@ def relax_spheres(touches: Touches, end: int, aim: int, first: int = 0) -> bool:
     """
     touch, rest, key, mover = touches.touch, touches.rest, touches.key, touches.mover
     slipping = False
-    for t in range(first, end):
-        before = touch[t, at.T_NORMAL]
-        if touch[t, at.T_GAP] > 0.0 and before == 0.0:
-            continue
-        a, b, n, held = key[t, at.K_BODY_A], key[t, at.K_BODY_B], load3(touch, t, 0), load3(touch, t, at.T_TANGENT)
-        motion, levers = moving(mover, a, b), levers_of(touch, mover, t, a, b)
-        along, slip = way_of(motion, levers.arm_a, levers.arm_b, n)
-        if aim == REBOUND and rest[t, at.R_STRUCK] == 1.0 and rest[t, at.R_SPIKE] > 0.0:
-            along += rest[t, at.R_RESTITUTION] * min(dot(n, load3(rest, t, at.R_APPROACH)), 0.0)
-        impulse = max(fma(-touch[t, at.T_NORMAL_MASS], along, before), 0.0)
-        most = touch[t, at.T_FRICTION] * impulse
-        after = rub(held, touch[t, at.T_TANGENT_MASS], slip, most)
-        slipping = slipping or (impulse > 0.0 and (key[t, at.K_SLIPS] == 1 or uses_up(after, most)))
-        touch[t, at.T_NORMAL] = impulse
-        store3(touch, t, at.T_TANGENT, after)
-        if touches.elastic == 1:
-            rest[t, at.R_SPIKE] = max(rest[t, at.R_SPIKE], impulse)
-        store_moving(mover, a, b, key[t, at.K_MOVES], answer(levers, n, impulse - before, sub(after, held), motion))
+    stride = stride_of(first, end)
+    for start in range(first, min(first + stride, end)):
+        for t in range(start, end, stride):
+            before = touch[t, at.T_NORMAL]
+            if touch[t, at.T_GAP] > 0.0 and before == 0.0:
+                continue
+            a, b, n, held = key[t, at.K_BODY_A], key[t, at.K_BODY_B], load3(touch, t, 0), load3(touch, t, at.T_TANGENT)
+            motion, levers = moving(mover, a, b), levers_of(touch, mover, t, a, b)
+            along, slip = way_of(motion, levers.arm_a, levers.arm_b, n)
+            if aim == REBOUND and rest[t, at.R_STRUCK] == 1.0 and rest[t, at.R_SPIKE] > 0.0:
+                along += rest[t, at.R_RESTITUTION] * min(dot(n, load3(rest, t, at.R_APPROACH)), 0.0)
+            impulse = max(fma(-touch[t, at.T_NORMAL_MASS], along, before), 0.0)
+            most = touch[t, at.T_FRICTION] * impulse
+            after = rub(held, touch[t, at.T_TANGENT_MASS], slip, most)
+            slipping = slipping or (impulse > 0.0 and (key[t, at.K_SLIPS] == 1 or uses_up(after, most)))
+            touch[t, at.T_NORMAL] = impulse
+            store3(touch, t, at.T_TANGENT, after)
+            if touches.elastic == 1:
+                rest[t, at.R_SPIKE] = max(rest[t, at.R_SPIKE], impulse)
+            store_moving(mover, a, b, key[t, at.K_MOVES], answer(levers, n, impulse - before, sub(after, held), motion))
     return slipping
 
 

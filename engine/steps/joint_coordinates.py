@@ -23,7 +23,6 @@ from plumbline.engine.memory import arena as at
 from plumbline.engine.memory.carve import floats_of, ints_of
 from plumbline.engine.memory.status import DIVERGED, DONE, UNSOLVED
 from plumbline.engine.memory.tables import bodies_of, joints_of
-from plumbline.engine.steps.count_step import count_step
 
 
 @entry
@@ -52,8 +51,8 @@ def step_joint_coordinates_euler(floats: Floats, ints: Ints, steps: int) -> tupl
             b = tables.other[n, 0]
             if bodies.kind[b, at.MOTION] == at.DYNAMIC:
                 drift_free(bodies, setting, b, dt, substeps, gyroscopic)
-        finite = is_finite_forest(tables)
-        if count_step(bodies.state, count) == DIVERGED or not finite:
+        count[0, at.STEPS] += 1
+        if not is_finite_forest(tables, bodies.state):
             status = DIVERGED
     if done > 0:
         write_state(tables, bodies, joints)
@@ -86,8 +85,8 @@ def step_joint_coordinates_midpoint(floats: Floats, ints: Ints, steps: int) -> t
                     bodies, principal, setting, b, h, gyroscopic
                 ):
                     status = UNSOLVED
-        finite = is_finite_forest(tables)
-        if count_step(bodies.state, count) == DIVERGED or not finite:
+        count[0, at.STEPS] += 1
+        if not is_finite_forest(tables, bodies.state):
             status = DIVERGED
     if done > 0:
         rates_of_momenta(tables, bodies, joints, setting, gyroscopic)
@@ -119,8 +118,8 @@ def step_joint_coordinates_adaptive(floats: Floats, ints: Ints, steps: int) -> t
                     bodies, principal, setting, b, h, gyroscopic, free
                 ):
                     status = UNSOLVED
-        finite = is_finite_forest(tables)
-        if count_step(bodies.state, count) == DIVERGED or not finite:
+        count[0, at.STEPS] += 1
+        if not is_finite_forest(tables, bodies.state):
             status = DIVERGED
     if done > 0:
         write_state(tables, bodies, joints)
@@ -147,8 +146,8 @@ def step_joint_coordinates_runge_kutta(floats: Floats, ints: Ints, steps: int) -
             b = tables.other[n, 0]
             if bodies.kind[b, at.MOTION] == at.DYNAMIC:
                 runge_kutta_free(bodies, setting, b, dt, gyroscopic)
-        finite = is_finite_forest(tables)
-        if count_step(bodies.state, count) == DIVERGED or not finite:
+        count[0, at.STEPS] += 1
+        if not is_finite_forest(tables, bodies.state):
             status = DIVERGED
     if done > 0:
         write_state(tables, bodies, joints)

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from plumbline.harness.scene.parity.difference import Difference
     from plumbline.harness.scene.parity.facts import RobotFacts
     from plumbline.harness.scene.parity.parting import Parting
-    from plumbline.harness.store.parity_record import ParityRecord, Side
+    from plumbline.harness.store.imported_scenes import ParityRecord, Side
 
 _robot_file = click.Path(path_type=Path, dir_okay=False)
 
@@ -71,7 +71,7 @@ def _pair(file: Path, other: Path, wishes: Wishes, as_json: bool, options: dict[
     from plumbline.harness.scene.parity.difference import plain
     from plumbline.harness.scene.parity.joint_names import joint_names
     from plumbline.harness.scene.parity.stated import pair_of
-    from plumbline.harness.store.parity_record import Side
+    from plumbline.harness.store.imported_scenes import Side
 
     if options["move"] is not None and options["commands"] is not None:
         raise click.UsageError("--move and --commands both say what moves the robots, expected one of them")
@@ -104,7 +104,7 @@ def _moved(a: "RobotFacts", b: "RobotFacts", options: dict[str, Any], as_json: b
     """Both under the same torques. Raises: RobotError, Unsupported."""
     import numpy as np
 
-    from plumbline.harness.intake.refusal import RobotError
+    from plumbline.harness.intake.error import RobotError
     from plumbline.harness.scene.parity.comparison import EARTH, aligned
     from plumbline.harness.scene.parity.motion import Configuration
     from plumbline.harness.scene.parity.parting import motion_of, parting
@@ -193,7 +193,7 @@ def _report(reading: "Reading", tolerance: float, as_json: bool) -> None:
 
 def _side(reading: "Reading") -> "Side":
     from plumbline.harness.scene.parity.difference import plain
-    from plumbline.harness.store.parity_record import Side
+    from plumbline.harness.store.imported_scenes import Side
     from plumbline.harness.study import plugins
 
     name = f"{plugins.adapter(reading.engine).title} {reading.way}".strip()
@@ -215,13 +215,13 @@ def _keep(
     if options["out"] is None:
         return
     from plumbline import reports
-    from plumbline.harness.store import parity_record
+    from plumbline.harness.store import imported_scenes
 
-    record: ParityRecord = parity_record.ParityRecord(
+    record: ParityRecord = imported_scenes.ParityRecord(
         file=file.name, joints=len(a.joints), root=root, tolerance=options["tolerance"], seed=options["seed"], sides=sides,
         parting=parting,
     )  # fmt: skip
-    parity_record.write(options["out"], record)
+    imported_scenes.write(options["out"], record)
     say(f"page: {reports.parity_page(options['out'])}", err=True)
 
 

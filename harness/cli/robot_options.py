@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import click
 
 from plumbline.harness.cli.guard import say
-from plumbline.harness.cli.seconds import Seconds
+from plumbline.harness.cli.options import Seconds
 from plumbline.harness.intake.documents import document
+from plumbline.harness.intake.error import RobotError
 from plumbline.harness.intake.import_wishes import DROPPABLE, SCENARIOS, STARTS, Omissions, Wishes, package_roots
-from plumbline.harness.intake.refusal import RobotError
 from plumbline.harness.intake.safe_text import quoted
 
 if TYPE_CHECKING:

@@ -3,28 +3,134 @@
 import re
 import shlex
 import sys
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 import click
+import tomli_w
 
 from plumbline.api.engines import chosen_engines
 from plumbline.api.present import present
-from plumbline.harness.cli.cluster_commands import at_work
-from plumbline.harness.cli.gate import failures
 from plumbline.harness.cli.guard import GATE, INTERRUPTED, USAGE, check_words, fail_for, say, stop
 from plumbline.harness.cli.options import agreed, limited
-from plumbline.harness.cli.own_import import scene_to_run
-from plumbline.harness.cli.own_scene import closing_count, closing_words, waiting
+from plumbline.harness.cli.own_scene import closing_count, closing_words, scene_to_run, waiting
 from plumbline.harness.cli.robot_options import NAMES, is_robot, is_scene, robot_options, run_options
-from plumbline.harness.cli.support import support_lines
 from plumbline.harness.cli.zoo_run import ZOO, run_zoo
+from plumbline.harness.findings.effects_audit import audit, idle, scenes_of
+from plumbline.harness.findings.tables import effects
 from plumbline.harness.intake.safe_text import quoted
+from plumbline.harness.scene import Effect
+from plumbline.harness.scene.file import dump_toml
+from plumbline.harness.scene.importers.companion import beside, load_companion
+from plumbline.harness.store import disk
+from plumbline.harness.store.imported_scenes import MINIMAL
+from plumbline.harness.study.plugins import SCENE_PREFIX
 
 if TYPE_CHECKING:
+    from plumbline.harness.adapter import Adapter
     from plumbline.harness.case import Case
+    from plumbline.harness.run.cluster.workplace import Workplace
     from plumbline.harness.store.store import Store
     from plumbline.harness.study.study import Study
+
+
+@contextmanager
+def at_work(scheduler: str | None) -> "Iterator[Workplace | None]":
+    """The workers of a scheduler while a run lasts; None where none was named. Raises: NoScheduler, NoDask."""
+    if scheduler is None:
+        yield None
+        return
+
+    from plumbline.harness.run.cluster.workplace import Workplace
+
+    with Workplace(scheduler) as cluster:
+        for sentence in cluster.described():
+            say(sentence, err=True)
+        yield cluster
+
+
+@click.command()
+@click.argument("folders", nargs=-1, required=True, metavar="DIR...", type=click.Path(path_type=Path))
+@click.option("--out", required=True, type=click.Path(file_okay=False, path_type=Path), help="The folder of all of them.")
+def merge(folders: tuple[Path, ...], out: Path) -> None:
+    """Make the folders of one study's parts, run by --shard anywhere, into one."""
+    from plumbline.harness.run.merge_folders import conflicts, merge_folders
+
+    if sentences := conflicts(folders):
+        for sentence in sentences:
+            say(sentence, err=True)
+        stop(GATE, f"{len(sentences)} conflicts; nothing was written")
+    store, notes = merge_folders(folders, out)
+    for note in notes:
+        say(note, err=True)
+    report = present(store, bool(store.study.get("recordings", True)))
+    say(str(report.index))
+    fail_for(report.sentences())
+
+
+def failures(store: "Store") -> list[str]:
+    """What the gate is about: the reference engine's checks on the tuned track and its determinism, the audit of effects, and
+    tuned tracks of all engines that a change of one knob beats without a reason."""
+    from plumbline.harness.findings.effects_audit import JUDGE, audit
+    from plumbline.harness.findings.parameter_words import step_in_words, substeps_of
+    from plumbline.harness.findings.tables import determinism, dominance
+    from plumbline.harness.findings.tables.effects import TABLE
+
+    ours = [name for name in store.trials["engine"].unique() if store.described("engines", name)["ours"]]
+    # Bounds are meant for the steps that a study names, not for those that a sweep goes on to.
+    trials = store.asked[store.asked["round"] == 0]
+    broken = trials[
+        trials["engine"].isin(ours) & (trials["track"] == "tuned") & ~trials["status"].isin(("passed", "unsupported"))
+    ]
+    sentences = [
+        f"gate: {row.case} on {row.engine}/{row.track} at dt {step_in_words(row.dt, substeps_of(str(row.resolved)))}: "
+        f"{row.status}: {row.reason}"
+        for row in broken.itertuples()
+    ]
+    sentences += [f"determinism: {sentence}" for sentence in determinism.broken(determinism.repetitions(store), ours)]
+    # Another engine that stands in for the judge may see worse than it: its word is in the table, and gates nothing.
+    judged = audit([row for row in TABLE.rows(store) if row["engine"] == JUDGE])
+    sentences += [f"audit: {sentence}" for sentence in judged.sentences()]
+    return sentences + [f"dominance: {sentence}" for sentence in dominance.unexcused(store)]
+
+
+def support_lines(cases: "Mapping[str, Case]", adapters: "Mapping[str, Adapter]", droppable: bool = False) -> list[str]:
+    """By the features that scenes use and adapters claim; building one may still be refused, which is then its outcome.
+
+    Reasons stand once, with the number of cases that each keeps from running.
+
+    Args: droppable: is the one scene of a robot's file, of which `--drop` can leave out what an engine lacks?
+    """
+    from plumbline.harness.adapter.features import features_of
+    from plumbline.harness.case.undropped import KINDS
+    from plumbline.harness.study.plugins import version_of
+
+    used = {name: features_of(case.scene(case.parameters)) for name, case in cases.items()}
+    lines = []
+    for name, adapter in adapters.items():
+        version, reason = version_of(adapter)
+        if reason is not None:
+            lines.append(f"{name}: cannot: {reason}")
+            continue
+        lacking = {case: features & ~adapter.features for case, features in used.items()}
+        runs = sum(not features for features in lacking.values())
+        counts: dict[str, int] = {}
+        for features in lacking.values():
+            for word in features.names:
+                counts[word] = counts.get(word, 0) + 1
+        ranked = sorted(counts.items(), key=lambda pair: (-pair[1], pair[0]))
+        if len(cases) == 1:
+            kinds = {**KINDS, "tendon": "tendon"}
+            drops = " ".join(f"--drop {kinds[word]}" for word in counts if word in kinds)
+            without = f"; it runs with {drops}" if droppable and counts.keys() <= kinds.keys() else ""
+            lines.append(f"{name} {version}: " + ("runs" if runs else f"cannot: it lacks {', '.join(counts)}{without}"))
+        else:
+            without = ", ".join(f"{word} ({count})" for word, count in ranked)
+            lines.append(f"{name} {version}: runs {runs} of {len(cases)} cases" + (f"; lacks {without}" if without else ""))
+    return lines
 
 
 def _parse_shard(_context: click.Context, _parameter: click.Parameter, text: str) -> tuple[int, int]:
@@ -44,7 +150,7 @@ def _parse_address(_context: click.Context, _parameter: click.Parameter, text: s
 def _study_and_cases(name: str, own: bool, globs: tuple[str, ...], budget: float | None) -> "tuple[Study, dict[str, Case]]":
     from plumbline.api.studies import study_and_cases
     from plumbline.harness.study import plugins
-    from plumbline.harness.study.own_scene import study_of
+    from plumbline.harness.study.study import study_of
 
     if own:
         path = str(Path(name).resolve())
@@ -64,7 +170,7 @@ def _of_file(study: str, error: Exception) -> str:
 
 def _propose(store: "Store", case: "Case") -> None:
     """Write the scene with what it needs alone, where the audit proposes one, and say how it is run."""
-    from plumbline.harness.cli.minimal_scene import write_minimal
+    from plumbline.harness.cli.run_study import write_minimal
 
     written = write_minimal(store, case)
     if written is not None:
@@ -180,3 +286,34 @@ def run(
     fail_for(report.sentences())
     if failed:
         sys.exit(GATE)
+
+
+_OF_A_RUN = ("duration", "dt", "seed")
+
+
+def write_minimal(store: "Store", case: "Case") -> tuple[Path, list[str]] | None:
+    """Write the scene without the effects that its audit finds idle, by a judge that has converged.
+
+    Returns: the file and the effects; None where the audit proposes nothing. Raises: OSError.
+    """
+    audited = audit(effects.TABLE.rows(store))
+    without = [idle(scene, audited.judged) for scene in scenes_of(audited.failed) if scene[0] == case.name]
+    if not without or not without[0]:
+        return None
+    names = without[0]
+    narrow = Effect.NONE
+    for name in names:
+        narrow |= Effect[name.upper()]
+    scene = case.scene(case.parameters)
+    minimal = replace(scene, narrow=scene.narrow | narrow, widen=scene.widen & ~narrow)
+    source = Path(case.name.removeprefix(SCENE_PREFIX))
+    path = store.folder / MINIMAL / f"{source.stem}.minimal.toml"
+    disk.make_folder(path.parent)
+    heading = (
+        f"# {case.title} without what its motion does not show: {', '.join(names)}; found on the engine '{audited.judge}'.\n"
+    )
+    disk.write_atomically(path, (heading + dump_toml(minimal)).encode())
+    own = load_companion(beside(source))
+    run = {"duration": case.duration} | {key: value for key in _OF_A_RUN if (value := getattr(own, key)) is not None}
+    disk.write_atomically(beside(path), tomli_w.dumps(run).encode())
+    return path, names

@@ -23,20 +23,20 @@ def zoo_robots(globs: Sequence[str], agreed: bool) -> "list[Robot]":
     Raises: PlumblineError, of a pattern that names none, and where nothing is installed.
     """
     from plumbline.harness.intake.error import PlumblineError
-    from plumbline.harness.run import zoo_packages
+    from plumbline.harness.run import zoo_intake
     from plumbline.harness.run.make_environment import NotMade
     from plumbline.harness.study.zoo.robots import chosen, robots
 
     if agreed:
         try:
-            zoo_packages.install()
+            zoo_intake.install()
         except NotMade as error:
             raise PlumblineError(f"the packages of the zoo were not installed: {error}") from None
-    zoo_packages.look()
+    zoo_intake.look()
     wanted = chosen(robots(), globs)
     if not any(robot.version for robot in wanted):
         raise PlumblineError(
-            f"none of the packages of the zoo is installed: add --yes to install them ({zoo_packages.PRICE}) in a folder of "
+            f"none of the packages of the zoo is installed: add --yes to install them ({zoo_intake.PRICE}) in a folder of "
             "their own, or: pip install 'plumbline[zoo]'"
         )
     return wanted
@@ -95,8 +95,7 @@ def carried_out(
     """
     from plumbline.harness.run.campaign import carry_out
     from plumbline.harness.run.interrupt import until
-    from plumbline.harness.run.robot_by_robot import RobotByRobot
-    from plumbline.harness.run.zoo_intake import taken_in
+    from plumbline.harness.run.zoo_intake import RobotByRobot, taken_in
     from plumbline.harness.store.journal import FolderTaken
     from plumbline.harness.study import plugins
     from plumbline.harness.study.experiment import StudyError
@@ -106,7 +105,7 @@ def carried_out(
     if (folder / "journal.jsonl").exists() and not resume:
         raise FolderTaken(f"{folder}: holds a run already; add --resume to go on with it, or choose another --out")
     entries = taken_in(folder, robots, tuple(adapters), workers)
-    going_in = [entry for entry in entries if entry.stage == "in"]
+    going_in = sorted((entry for entry in entries if entry.stage == "in"), key=lambda entry: (entry.bodies, entry.name))
     say(f"{len(going_in)} of {len(entries)} robots go in; show --table zoo says why the others do not", err=True)
     if not going_in:
         raise StudyError(f"no robot goes in, first: {entries[0].name}: {entries[0].reason}")

@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 
 from plumbline.harness.adapter import Feature
+from plumbline.harness.conformance.exact import TURNED, G, free
 from plumbline.harness.conformance.multibody import Motion, Multibody, matrix
-from plumbline.harness.conformance.scenes import TURNED, G, free
 from plumbline.harness.scene import (
     WORLD,
     Ball,

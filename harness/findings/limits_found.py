@@ -8,15 +8,12 @@ from typing import Any
 import pandas as pd
 
 from plumbline.harness.case import Axis
-from plumbline.harness.findings.once import all_once
 from plumbline.harness.findings.parameter_words import STEP, differing, in_words
-from plumbline.harness.search.along_axis import Point, unchanged
-from plumbline.harness.search.first_break import BROKE, Bracket, Ruler, bracket
-from plumbline.harness.store.notices import StoredNotice
+from plumbline.harness.search.first_break import BROKE, Bracket, Point, Ruler, bracket, unchanged
+from plumbline.harness.store.record import StoredNotice
+from plumbline.harness.store.rows import all_once
 from plumbline.harness.store.store import Store
-from plumbline.harness.study.axes import axis_among
-from plumbline.harness.study.experiment import Experiment
-from plumbline.harness.study.stored_study import experiments_of
+from plumbline.harness.study.experiment import Experiment, axis_among, experiments_of
 from plumbline.harness.trial.ensemble import BROKE_BY, HEADLINE, HELD, OWN_CHECKS, STARTS
 
 CONSTANT = "no limit"

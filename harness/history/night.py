@@ -13,9 +13,9 @@ from plumbline.harness.history.budget import bytes_of, memory_peaks
 from plumbline.harness.history.changes_since import News, news_of
 from plumbline.harness.history.folder import NIGHT, History, Night, stamp_of
 from plumbline.harness.history.identity import acknowledged
-from plumbline.harness.history.listing import counted
 from plumbline.harness.history.night_policy import Asked, Steering
 from plumbline.harness.history.regressions import Dated
+from plumbline.harness.history.retention import counted
 from plumbline.harness.history.sentences import told
 from plumbline.harness.history.slow_drift import over_nights
 from plumbline.harness.run.campaign import carry_out

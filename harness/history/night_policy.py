@@ -21,6 +21,7 @@ from plumbline.harness.history.blocks import (
     Block,
     Cell,
     Key,
+    Plan,
     Sight,
     blocks_of,
     last_seen,
@@ -30,7 +31,6 @@ from plumbline.harness.history.blocks import (
 from plumbline.harness.history.budget import Budget
 from plumbline.harness.history.folder import NIGHT, SCHEMA, History, Night
 from plumbline.harness.history.known_searches import KnownSearches
-from plumbline.harness.history.plan import Plan
 from plumbline.harness.run.interrupt import UnderWay
 from plumbline.harness.run.known_results import Guide
 from plumbline.harness.store import disk

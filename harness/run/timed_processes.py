@@ -20,8 +20,7 @@ from plumbline.harness.intake.deadline import Deadline
 from plumbline.harness.intake.safe_text import readable
 from plumbline.harness.run.child import confine, end_started
 from plumbline.harness.run.fork_servers import Forked, Origin, start
-from plumbline.harness.run.interrupt import hour, naming, stop_if_asked
-from plumbline.harness.run.memory_watch import MemoryWatch
+from plumbline.harness.run.interrupt import MemoryWatch, hour, naming, stop_if_asked
 from plumbline.harness.run.message import BrokenMessage, Inbox, read_sample, read_sampling, send
 from plumbline.harness.store.record import Sample
 from plumbline.harness.study import plugins

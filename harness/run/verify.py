@@ -14,7 +14,7 @@ import pandas as pd
 from plumbline.harness.findings.summary import summaries
 from plumbline.harness.run.resume import merged
 from plumbline.harness.store import disk, zoo_record
-from plumbline.harness.store.arrays import read_arrays
+from plumbline.harness.store.arrays import kept_hash, read_arrays
 from plumbline.harness.store.imported_scenes import FOLDER as SCENES
 from plumbline.harness.store.imported_scenes import MINIMAL, unsound
 from plumbline.harness.store.journal import DamagedFile, StoreError
@@ -24,7 +24,6 @@ from plumbline.harness.store.record import Record, parts_of_runs
 from plumbline.harness.store.seal import Damaged, check_seal, require_seal
 from plumbline.harness.store.store import Store, ends_early, read_plain
 from plumbline.harness.store.stored_tables import COLUMNS, in_parquet
-from plumbline.harness.store.trajectory_file import kept_hash
 from plumbline.harness.store.zoo_record import FOLDER as ZOO
 
 _ANEW = "--resume makes it anew"

@@ -26,10 +26,9 @@ import numpy as np
 
 from plumbline.harness.adapter import Adapter, Settings
 from plumbline.harness.case import Case
-from plumbline.harness.search.settings_key import key_of
 from plumbline.harness.statistics.pareto import near_front
 from plumbline.harness.store.record import Record
-from plumbline.harness.study.one_knob import OPTION, label_of, position, turned
+from plumbline.harness.study.one_knob import OPTION, key_of, label_of, position, turned
 from plumbline.harness.study.trial import Trial
 
 SMALLEST = 1e-8

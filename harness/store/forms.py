@@ -9,7 +9,7 @@ Kind = Literal["accuracy", "timing", "session", "withdrawn", "restored"]
 
 @dataclass(frozen=True)
 class Asked:
-    """A study in plain values; its experiments are for `harness.study.stored_study`."""
+    """A study in plain values; its experiments are for `harness.study.experiment`."""
 
     experiments: list[dict[str, Any]] = field(default_factory=list)
     name: str = ""

@@ -16,9 +16,8 @@ from typing import Any, ClassVar, Generic, TypeVar
 
 from plumbline.harness.intake.error import LiesIn, PlumblineError
 from plumbline.harness.store import disk
-from plumbline.harness.store.checked import checked
 from plumbline.harness.store.forms import CONTENTS, Kind, Line
-from plumbline.harness.store.record import SCHEMA_VERSION, Record, Timing, parts_of_runs
+from plumbline.harness.store.record import SCHEMA_VERSION, Record, Timing, checked, parts_of_runs
 
 
 class StoreError(PlumblineError):

@@ -1,7 +1,9 @@
 """One knob at another value: which such turns there are, what settings they make and are called, and which lies between two."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+import json
+from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, fields, replace
+from operator import attrgetter
 from typing import Any
 
 from plumbline.harness.adapter import Settings
@@ -74,3 +76,21 @@ def label_of(track: str, turned: Iterable[tuple[str, object]]) -> str:
     Args: turned: the knobs with their values.
     """
     return ", ".join((track, *(f"{knob} {value}" for knob, value in turned)))
+
+
+_FIELDS = tuple(one.name for one in fields(Settings) if one.name not in ("options", "source"))
+"""Those of `Settings` that decide an answer, beside its options."""
+_values_of = attrgetter(*_FIELDS)
+
+
+def key_of(settings: Settings, knob: str = "") -> Hashable:
+    """Equal for settings that differ in nothing, or in this knob alone, which may be the time step ('dt')."""
+    values: tuple[Hashable, ...] = _values_of(settings)
+    if knob in _FIELDS:
+        values = tuple(None if name == knob else value for name, value in zip(_FIELDS, values, strict=True))
+    return values, frozenset((name, _told(value)) for name, value in settings.options.items() if knob != OPTION + name)
+
+
+def _told(value: Any) -> str:
+    """The value of an option: of what is nested as in JSON, which takes ten times as long as a number or a text."""
+    return repr(value) if type(value) in (bool, int, float, str) else json.dumps(value, sort_keys=True)

@@ -10,9 +10,8 @@ from plumbline.harness.findings.agreement.costs import best_price, best_setting,
 from plumbline.harness.findings.agreement.happened import happened_words, happenings
 from plumbline.harness.findings.agreement.perturbed_starts import LAWS, balances, foreseeable_until, horizon_of, outlooks
 from plumbline.harness.findings.agreement.setting_causes import cause_words, settings_turned
-from plumbline.harness.findings.agreement.unresolved import unresolved_words
 from plumbline.harness.findings.agreement.values import Agreement
-from plumbline.harness.findings.agreement.words import cut_words, headline, listed, metres, side_words
+from plumbline.harness.findings.agreement.words import cut_words, headline, listed, metres, side_words, unresolved_words
 from plumbline.harness.findings.tables import agreement as agreement_table
 from plumbline.harness.findings.tables.fidelity import of_element
 from plumbline.harness.store.imported_scenes import kept_by

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from plumbline.harness.store.parity_record import ParityRecord, Side, read
+from plumbline.harness.store.imported_scenes import ParityRecord, Side, read
 from plumbline.reports.charts.palette import looks
 from plumbline.reports.html.policy import guarded
 from plumbline.reports.html.style import copy_style

@@ -8,8 +8,8 @@ from plumbline.harness.findings.agreement.omissions import omission_words, omiss
 from plumbline.harness.findings.agreement.setting_causes import cause_words, settings_turned
 from plumbline.harness.findings.agreement.values import Agreement
 from plumbline.harness.findings.agreement.words import present_words, scene_words, side_words
-from plumbline.harness.findings.once import once
 from plumbline.harness.findings.tables.recorded import joint_errors, recorded_words
+from plumbline.harness.store.rows import once
 from plumbline.harness.store.store import Store
 from plumbline.reports.words.catalogue import titles
 from plumbline.reports.words.status import FINITE, VERDICTS, Outcome, outcome

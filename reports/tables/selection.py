@@ -10,7 +10,6 @@ from typing import Any
 
 from markupsafe import Markup
 
-from plumbline.harness.findings.once import once
 from plumbline.harness.findings.selection import CRITERIA, Answer, Wish, choose, preset_names, read_preset
 from plumbline.harness.findings.selection.choose import EXPRESSED
 from plumbline.harness.findings.selection.evidence import DECADES_OF_SPEED, Datum
@@ -28,6 +27,7 @@ from plumbline.harness.findings.selection.words import (
     turn_sentences,
     who_leads,
 )
+from plumbline.harness.store.rows import once
 from plumbline.harness.store.store import Store
 from plumbline.reports.tables.own_scenes import by_case
 from plumbline.reports.tables.trial_results import stepless

@@ -8,8 +8,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from plumbline.harness.findings.margins import Margin, margins
-from plumbline.harness.findings.once import once
+from plumbline.harness.findings.causes import Margin, margins
+from plumbline.harness.store.rows import once
 from plumbline.harness.store.store import Store
 from plumbline.reports.tables.own_scenes import by_case, chips
 from plumbline.reports.tables.trial_results import at_own_step

@@ -7,7 +7,7 @@ from urllib.parse import urlsplit
 import pytest
 
 from plumbline import reports
-from plumbline.harness.store.parity_record import ParityRecord, Side, write
+from plumbline.harness.store.imported_scenes import ParityRecord, Side, write
 
 pytestmark = pytest.mark.browser
 

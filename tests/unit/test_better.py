@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from plumbline.harness.adapter.trade_off import TradeOff, check_named
-from plumbline.harness.search.better import Question, Run, compared, run_of
+from plumbline.harness.search.dominance import Question, Run, compared, run_of
 
 QUESTION = Question("error", 1.0, frozenset({"height"}))
 

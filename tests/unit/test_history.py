@@ -12,13 +12,10 @@ import pytest
 from plumbline.harness.history import night_policy
 from plumbline.harness.history.answer_store import Pool
 from plumbline.harness.history.budget import bytes_of
-from plumbline.harness.history.folder import created, opened
-from plumbline.harness.history.listing import COLUMNS, rows
-from plumbline.harness.history.lock import locked
+from plumbline.harness.history.folder import created, locked, opened
 from plumbline.harness.history.night_policy import AGAIN, Asked, computed_again
 from plumbline.harness.history.remote_storage import copy_of
-from plumbline.harness.history.retention import prune, pruning
-from plumbline.harness.history.verify_history import problems_of
+from plumbline.harness.history.retention import COLUMNS, problems_of, prune, pruning, rows
 from plumbline.harness.run import campaign
 from plumbline.harness.store.journal import StoreError, read_journal
 from tests.conftest import Command

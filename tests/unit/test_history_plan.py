@@ -3,9 +3,8 @@
 from dataclasses import replace
 from pathlib import Path
 
-from plumbline.harness.history.blocks import Block, Seen, Sight
+from plumbline.harness.history.blocks import Block, Plan, Seen, Sight
 from plumbline.harness.history.folder import Night
-from plumbline.harness.history.plan import Plan
 from tests.unit.test_campaign import trials
 
 

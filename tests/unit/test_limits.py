@@ -14,18 +14,24 @@ from plumbline.harness.case.starts import TOLERANCE, member
 from plumbline.harness.metric import Metric, NotMeasurable
 from plumbline.harness.metrics.errors import divergence
 from plumbline.harness.scene import Body, Effect, PlacedShape, Scene, Sphere
-from plumbline.harness.search.along_axis import Point, extreme_untried, unchanged
-from plumbline.harness.search.first_break import Ruler, bracket, next_trials, next_value, value_of
-from plumbline.harness.search.remedies import remedied
-from plumbline.harness.store.notices import StoredNotice, short_of
-from plumbline.harness.store.record import Record
-from plumbline.harness.study.axes import axis_of
-from plumbline.harness.study.experiment import Experiment, Limit, StudyError
+from plumbline.harness.search.first_break import (
+    Point,
+    Ruler,
+    bracket,
+    extreme_untried,
+    next_trials,
+    next_value,
+    remedied,
+    unchanged,
+    value_of,
+)
+from plumbline.harness.store.record import Record, StoredNotice, short_of
+from plumbline.harness.study.experiment import Experiment, Limit, StudyError, axis_of
 from plumbline.harness.study.study import Study
 from plumbline.harness.study.trial import Trial
 from plumbline.harness.trajectory import State
+from plumbline.harness.trial.beside_tuned import idle_turns, is_surveyed
 from plumbline.harness.trial.ensemble import BROKE_BY, HEADLINE, HELD, OWN_CHECKS, endure
-from plumbline.harness.trial.idle_knobs import idle_turns, is_surveyed
 
 EASY, EXTREME, FRAY = 1.0, 1e4, 0.05
 """Ends of the axis; starts break up to so much below the limit, each by its own."""

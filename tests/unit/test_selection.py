@@ -11,8 +11,7 @@ import pytest
 
 from plumbline.harness.findings.selection import Answer, PresetError, Wish, choose, preset_names, read_preset
 from plumbline.harness.findings.selection.choose import EXPRESSED
-from plumbline.harness.findings.selection.decide import LEAST, into
-from plumbline.harness.findings.selection.doubt import Turn
+from plumbline.harness.findings.selection.decide import LEAST, Turn, into
 from plumbline.harness.findings.selection.words import decisive, headline, trade, turn_sentences
 from plumbline.harness.store.store import Store
 from plumbline.harness.study.plugins import names

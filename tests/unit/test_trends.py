@@ -14,10 +14,10 @@ from plumbline.harness.history.folder import History
 from plumbline.harness.history.identity import Named
 from plumbline.harness.history.readings import NightOf
 from plumbline.harness.history.regressions import Trends, date, read_trends
+from plumbline.harness.history.retention import problems_of
 from plumbline.harness.history.series import Series, yardsticks
 from plumbline.harness.history.slow_drift import FEWEST
 from plumbline.harness.history.steps import CHANCE_OF_ALL, Step, price_steps
-from plumbline.harness.history.verify_history import problems_of
 from plumbline.harness.store import store
 from plumbline.harness.store.journal import Written, read_written
 from plumbline.harness.store.record import Record, digest

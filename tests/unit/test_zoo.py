@@ -13,18 +13,17 @@ from plumbline.harness.cli.main import main
 from plumbline.harness.cli.zoo_run import carried_out, zoo_robots
 from plumbline.harness.findings import tables
 from plumbline.harness.intake.error import PlumblineError
-from plumbline.harness.run import zoo_intake, zoo_packages
-from plumbline.harness.run.robot_by_robot import RobotByRobot
+from plumbline.harness.run import zoo_intake
 from plumbline.harness.run.verify import problems
-from plumbline.harness.run.zoo_intake import taken_in
+from plumbline.harness.run.zoo_intake import RobotByRobot, taken_in
 from plumbline.harness.store import zoo_record
 from plumbline.harness.store.journal import FolderTaken
 from plumbline.harness.store.seal import Damaged
 from plumbline.harness.store.store import Store
 from plumbline.harness.store.zoo_record import Entry
 from plumbline.harness.study import plugins
-from plumbline.harness.study.zoo.least_drops import least, subsets
 from plumbline.harness.study.zoo.robots import LIST, MENAGERIE, NotHere, Robot, chosen, file_of, robots
+from plumbline.harness.study.zoo.taking_in import least, subsets
 from plumbline.reports.page import pages
 from plumbline.reports.pages.zoo import PAGE
 from tests.in_process import clocked_by, in_this_process
@@ -235,9 +234,7 @@ def test_a_zoo_is_run_on_this_machine_and_whole(more: list[str]) -> None:
 
 def test_every_package_of_the_list_is_locked_and_the_extra_and_the_notice_name_those_that_install() -> None:
     listed = {robot.package for robot in robots(LIST)} | {MENAGERIE}
-    locked = dict(
-        re.findall(r"^([\w.-]+)==(\S+) \\\n +--hash=sha256:[0-9a-f]{64}$", zoo_packages.LOCK.read_text(), re.MULTILINE)
-    )
+    locked = dict(re.findall(r"^([\w.-]+)==(\S+) \\\n +--hash=sha256:[0-9a-f]{64}$", zoo_intake.LOCK.read_text(), re.MULTILINE))
     assert set(locked) == listed
     extra = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["optional-dependencies"]["zoo"]
     assert {line.partition(">")[0] for line in extra} <= listed

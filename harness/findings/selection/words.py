@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 
 from plumbline.harness.findings.selection.choose import EXPRESSED, Answer
-from plumbline.harness.findings.selection.doubt import Turn
+from plumbline.harness.findings.selection.decide import Turn
 from plumbline.harness.findings.selection.rank import DRAWS
 from plumbline.harness.findings.selection.wish import CRITERIA, Dropped
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import PurePath
 from typing import Any
 
-from plumbline.harness.case.own_titles import OWN
+from plumbline.harness.case.undropped import OWN
 from plumbline.harness.findings.agreement.costs import WITHIN
 from plumbline.harness.findings.agreement.found import agreements, errors_of
 from plumbline.harness.findings.agreement.omissions import omissions

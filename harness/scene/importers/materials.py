@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from itertools import combinations_with_replacement
 
-from plumbline.harness.intake.refusal import listed
+from plumbline.harness.intake.error import listed
 from plumbline.harness.scene import Surface
 from plumbline.harness.scene.importers.companion import Companion
 from plumbline.harness.scene.importers.fidelity import Fidelity

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from plumbline.harness.intake.refusal import RobotError, listed
+from plumbline.harness.intake.error import RobotError, listed
 from plumbline.harness.scene.importers.poses import IDENTITY, Array, Pose
 from plumbline.harness.scene.importers.robot import Contacts, Geometry, Link, Robot, Solid
 from plumbline.harness.scene.importers.solids import moved, together

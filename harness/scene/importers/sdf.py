@@ -12,7 +12,7 @@ import numpy as np
 
 from plumbline.harness.intake.allowance import beyond
 from plumbline.harness.intake.documents import named
-from plumbline.harness.intake.refusal import listed
+from plumbline.harness.intake.error import listed
 from plumbline.harness.intake.safe_text import quoted, readable
 from plumbline.harness.scene import WORLD, Sensor
 from plumbline.harness.scene.importers import sdf_grammar

@@ -8,9 +8,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
 
-from plumbline.harness.intake.magnitude import wrong_size
 from plumbline.harness.intake.near_miss import misspelt
 from plumbline.harness.intake.safe_text import quoted, readable
+from plumbline.harness.intake.typed_fields import wrong_size
 from plumbline.harness.scene.importers.xml_text import Element
 
 SMALLEST, FARTHEST = 1e-9, 1e6

@@ -7,9 +7,8 @@ import numpy as np
 
 from plumbline.harness.adapter import Adapter, Feature, Settings, Unsupported
 from plumbline.harness.conformance.check import Finding, NotApplicable, check, judge, near
-from plumbline.harness.conformance.exact import angle_between
-from plumbline.harness.conformance.runs import COARSE, FINE, built, final, state_of
-from plumbline.harness.conformance.scenes import TURNED, ball, on_ground
+from plumbline.harness.conformance.exact import TURNED, angle_between, ball, on_ground
+from plumbline.harness.conformance.room import COARSE, FINE, built, final, state_of
 from plumbline.harness.scene import (
     Body,
     Box,

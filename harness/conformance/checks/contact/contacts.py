@@ -4,9 +4,8 @@ import numpy as np
 
 from plumbline.harness.adapter import Adapter, Feature, Settings
 from plumbline.harness.conformance.check import Comparison, Finding, check, judge, near, that
-from plumbline.harness.conformance.exact import angle_between
-from plumbline.harness.conformance.runs import COARSE, FINE, ROUNDING, built, final, record, state_of
-from plumbline.harness.conformance.scenes import G, ball, block, floor, ground, on_ground, static
+from plumbline.harness.conformance.exact import G, angle_between, ball, block, floor, ground, on_ground, static
+from plumbline.harness.conformance.room import COARSE, FINE, ROUNDING, built, final, record, state_of
 from plumbline.harness.scene import Body, Box, Effect, PlacedShape, Scene, Surface, axis_angle
 from plumbline.harness.trajectory import Contacts
 

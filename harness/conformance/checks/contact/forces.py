@@ -7,8 +7,8 @@ import numpy as np
 
 from plumbline.harness.adapter import Adapter, Feature, Settings, Unsupported
 from plumbline.harness.conformance.check import Comparison, Finding, NotApplicable, check, judge, near, that
-from plumbline.harness.conformance.runs import FINE, built, state_of
-from plumbline.harness.conformance.scenes import G, ball, block, ground, on_ground, static
+from plumbline.harness.conformance.exact import G, ball, block, ground, on_ground, static
+from plumbline.harness.conformance.room import FINE, built, state_of
 from plumbline.harness.scene import Body, Box, Capsule, Cylinder, Ellipsoid, PlacedShape, Plane, Scene, Shape, Sphere, Vector3
 from plumbline.harness.trajectory import Floats
 

@@ -7,8 +7,8 @@ import numpy as np
 
 from plumbline.harness.adapter import Adapter, Feature, Settings
 from plumbline.harness.conformance.check import Finding, check, judge, near, that
-from plumbline.harness.conformance.runs import FINE, built, final, record, state_of
-from plumbline.harness.conformance.scenes import G, ball, block, floor, free, ground, on_ground
+from plumbline.harness.conformance.exact import G, ball, block, floor, free, ground, on_ground
+from plumbline.harness.conformance.room import FINE, built, final, record, state_of
 from plumbline.harness.scene import Body, Scene, Surface, Vector3
 from plumbline.harness.trajectory import Floats
 

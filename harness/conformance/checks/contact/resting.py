@@ -15,8 +15,8 @@ import numpy as np
 from plumbline.harness.adapter import Adapter, Feature, Settings, Unsupported
 from plumbline.harness.conformance.check import Finding, NotApplicable, check, judge, near
 from plumbline.harness.conformance.checks.contract.features import SIDES
-from plumbline.harness.conformance.runs import COARSE, FINE, final, record
-from plumbline.harness.conformance.scenes import G, ground, on_ground, static
+from plumbline.harness.conformance.exact import G, ground, on_ground, static
+from plumbline.harness.conformance.room import COARSE, FINE, final, record
 from plumbline.harness.scene import (
     Body,
     Box,

@@ -7,9 +7,8 @@ import numpy as np
 from plumbline.harness.adapter import Adapter, Feature, Settings, Unsupported
 from plumbline.harness.conformance.check import Comparison, Finding, check, judge, near
 from plumbline.harness.conformance.checks.contract.features import CORNERS, SIDES, TWO_BLOCKS, box_mesh
-from plumbline.harness.conformance.exact import angle_between
-from plumbline.harness.conformance.runs import FINE, final
-from plumbline.harness.conformance.scenes import G, ball, block, floor, ground, on_ground, static
+from plumbline.harness.conformance.exact import G, angle_between, ball, block, floor, ground, on_ground, static
+from plumbline.harness.conformance.room import FINE, final
 from plumbline.harness.scene import (
     Body,
     Box,

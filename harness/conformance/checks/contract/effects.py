@@ -6,8 +6,8 @@ from plumbline.harness.adapter import Adapter, Feature, Notice, Settings
 from plumbline.harness.adapter.notice import as_notices
 from plumbline.harness.conformance.check import Comparison, Finding, Run, check, judge, near
 from plumbline.harness.conformance.checks.contact.contacts import SOFT_REBOUND
-from plumbline.harness.conformance.runs import COARSE, FINE, built, state_of
-from plumbline.harness.conformance.scenes import TURNED, G, ball, block, damped, floor, free, ground
+from plumbline.harness.conformance.exact import TURNED, G, ball, block, damped, floor, free, ground
+from plumbline.harness.conformance.room import COARSE, FINE, built, state_of
 from plumbline.harness.scene import WORLD, Drive, Effect, Prismatic, Scene
 from plumbline.harness.trajectory import State
 

@@ -10,8 +10,8 @@ import numpy as np
 from plumbline.harness.adapter import Adapter, Feature, Settings, Simulation, Unsupported
 from plumbline.harness.adapter.notice import as_notices
 from plumbline.harness.conformance.check import Finding, check, judge, that
-from plumbline.harness.conformance.runs import built
-from plumbline.harness.conformance.scenes import ball, block, damped, free, ground, static
+from plumbline.harness.conformance.exact import ball, block, damped, free, ground, static
+from plumbline.harness.conformance.room import built
 from plumbline.harness.scene import (
     WORLD,
     Ball,

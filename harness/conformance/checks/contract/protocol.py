@@ -12,8 +12,8 @@ import numpy as np
 
 from plumbline.harness.adapter import Adapter, Feature, Notice, Settings, SettingsError, Simulation
 from plumbline.harness.conformance.check import CHECKS, Comparison, Finding, check, judge, near, that
-from plumbline.harness.conformance.runs import COARSE, FINE, built, state_of
-from plumbline.harness.conformance.scenes import TURNED, free, static, without_gravity
+from plumbline.harness.conformance.exact import TURNED, free, static, without_gravity
+from plumbline.harness.conformance.room import COARSE, FINE, built, state_of
 from plumbline.harness.scene import WORLD, Box, Drive, Prismatic, Scene, Sphere
 from plumbline.harness.trajectory import State
 

@@ -6,8 +6,8 @@ import numpy as np
 
 from plumbline.harness.adapter import Adapter, Diverged, Feature, Settings, Simulation
 from plumbline.harness.conformance.check import Finding, check, judge, near, that
-from plumbline.harness.conformance.runs import COARSE, FINE, built, state_of
-from plumbline.harness.conformance.scenes import TURNED, ball, block, floor, free, ground, without_gravity
+from plumbline.harness.conformance.exact import TURNED, ball, block, floor, free, ground, without_gravity
+from plumbline.harness.conformance.room import COARSE, FINE, built, state_of
 from plumbline.harness.scene import WORLD, Drive, Prismatic, Scene, Surface
 from plumbline.harness.trajectory import Floats, State
 

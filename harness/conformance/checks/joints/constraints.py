@@ -8,9 +8,8 @@ from scipy.integrate import solve_ivp
 
 from plumbline.harness.adapter import Adapter, Feature, Settings, Unsupported
 from plumbline.harness.conformance.check import Finding, NotApplicable, check, judge, near, that
-from plumbline.harness.conformance.exact import angle_between, rotation
-from plumbline.harness.conformance.runs import COARSE, FINE, final, record
-from plumbline.harness.conformance.scenes import TURNED, G, block, free
+from plumbline.harness.conformance.exact import TURNED, G, angle_between, block, free, rotation
+from plumbline.harness.conformance.room import COARSE, FINE, final, record
 from plumbline.harness.scene import (
     WORLD,
     Ball,

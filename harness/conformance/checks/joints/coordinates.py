@@ -6,9 +6,8 @@ import numpy as np
 
 from plumbline.harness.adapter import Adapter, Feature, Settings
 from plumbline.harness.conformance.check import Finding, check, judge, near
-from plumbline.harness.conformance.exact import angle_between
-from plumbline.harness.conformance.runs import FINE, built, final, record, state_of
-from plumbline.harness.conformance.scenes import free
+from plumbline.harness.conformance.exact import angle_between, free
+from plumbline.harness.conformance.room import FINE, built, final, record, state_of
 from plumbline.harness.scene import (
     WORLD,
     Body,

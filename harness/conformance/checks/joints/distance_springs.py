@@ -7,9 +7,8 @@ from scipy.integrate import solve_ivp
 
 from plumbline.harness.adapter import Adapter, Feature, Settings
 from plumbline.harness.conformance.check import Finding, check, judge, near
-from plumbline.harness.conformance.exact import angle_between, rotation
-from plumbline.harness.conformance.runs import FINE, final, record
-from plumbline.harness.conformance.scenes import TURNED, free
+from plumbline.harness.conformance.exact import TURNED, angle_between, free, rotation
+from plumbline.harness.conformance.room import FINE, final, record
 from plumbline.harness.scene import WORLD, Distance, Scene, Spring, Vector3, rotate
 from plumbline.harness.trajectory import Floats
 

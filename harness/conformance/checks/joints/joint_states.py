@@ -8,8 +8,8 @@ import numpy as np
 from plumbline.harness.adapter import Adapter, Feature, Settings, Simulation
 from plumbline.harness.adapter.joints import joints_of
 from plumbline.harness.conformance.check import Comparison, Finding, NotApplicable, check, judge, near, that
-from plumbline.harness.conformance.runs import FINE, ROUNDING, built, state_of
-from plumbline.harness.conformance.scenes import TURNED, G, floor, free, ground
+from plumbline.harness.conformance.exact import TURNED, G, floor, free, ground
+from plumbline.harness.conformance.room import FINE, ROUNDING, built, state_of
 from plumbline.harness.scene import WORLD, Ball, Fixed, PlacedShape, Prismatic, Revolute, Scene, Sphere, Spring, Vector3
 from plumbline.harness.trajectory import Floats
 from plumbline.harness.trajectory.joint_states import JointStates, joint_states

@@ -22,7 +22,7 @@ from plumbline.harness.conformance.pairs import (
     all_pairs,
     task,
 )
-from plumbline.harness.conformance.runs import ROUNDING, built, state_of
+from plumbline.harness.conformance.room import ROUNDING, built, state_of
 from plumbline.harness.scene import Scene
 from plumbline.harness.trajectory import State
 

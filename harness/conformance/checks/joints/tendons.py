@@ -6,8 +6,8 @@ import numpy as np
 
 from plumbline.harness.adapter import Adapter, Feature, Settings
 from plumbline.harness.conformance.check import Finding, check, judge, near
-from plumbline.harness.conformance.runs import FINE, final
-from plumbline.harness.conformance.scenes import free
+from plumbline.harness.conformance.exact import free
+from plumbline.harness.conformance.room import FINE, final
 from plumbline.harness.scene import WORLD, Drive, Limits, MomentArm, Prismatic, Revolute, Scene, Spring, Tendon
 from plumbline.harness.trajectory import Floats
 

@@ -6,9 +6,18 @@ import numpy as np
 
 from plumbline.harness.adapter import Adapter, Feature, Settings, SettingsError, Unsupported
 from plumbline.harness.conformance.check import Finding, NotApplicable, check, judge, near
-from plumbline.harness.conformance.exact import angle_between, turning
-from plumbline.harness.conformance.runs import COARSE, FINE, ROUNDING, built, final, record, state_of
-from plumbline.harness.conformance.scenes import TURNED, G, block, damped, free, on_ground, without_gravity
+from plumbline.harness.conformance.exact import (
+    TURNED,
+    G,
+    angle_between,
+    block,
+    damped,
+    free,
+    on_ground,
+    turning,
+    without_gravity,
+)
+from plumbline.harness.conformance.room import COARSE, FINE, ROUNDING, built, final, record, state_of
 from plumbline.harness.scene import WORLD, Revolute, Scene, axis_angle
 
 

@@ -4,9 +4,18 @@ import numpy as np
 
 from plumbline.harness.adapter import Adapter, Feature, Settings
 from plumbline.harness.conformance.check import Finding, check, judge, near
-from plumbline.harness.conformance.exact import angle_between, rotation, turned_by, turning
-from plumbline.harness.conformance.runs import COARSE, FINE, ROUNDING, built, final, state_of
-from plumbline.harness.conformance.scenes import TURNED, floor, free, ground, without_gravity
+from plumbline.harness.conformance.exact import (
+    TURNED,
+    angle_between,
+    floor,
+    free,
+    ground,
+    rotation,
+    turned_by,
+    turning,
+    without_gravity,
+)
+from plumbline.harness.conformance.room import COARSE, FINE, ROUNDING, built, final, state_of
 from plumbline.harness.scene import Body, Box, PlacedShape, Scene, Sphere
 from plumbline.harness.trajectory import State
 

@@ -7,9 +7,8 @@ from scipy.integrate import solve_ivp
 
 from plumbline.harness.adapter import Adapter, Feature, Settings
 from plumbline.harness.conformance.check import Finding, check, judge, near
-from plumbline.harness.conformance.exact import angle_between
-from plumbline.harness.conformance.runs import FINE, final
-from plumbline.harness.conformance.scenes import G, free
+from plumbline.harness.conformance.exact import G, angle_between, free
+from plumbline.harness.conformance.room import FINE, final
 from plumbline.harness.scene import (
     WORLD,
     Body,

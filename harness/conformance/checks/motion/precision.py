@@ -4,9 +4,8 @@ import numpy as np
 
 from plumbline.harness.adapter import Adapter, Settings
 from plumbline.harness.conformance.check import Finding, NotApplicable, check, judge, near
-from plumbline.harness.conformance.exact import angle_between
-from plumbline.harness.conformance.runs import COARSE, FINE, built, final, state_of
-from plumbline.harness.conformance.scenes import TURNED, free, without_gravity
+from plumbline.harness.conformance.exact import TURNED, angle_between, free, without_gravity
+from plumbline.harness.conformance.room import COARSE, FINE, built, final, state_of
 from plumbline.harness.scene import Scene
 from plumbline.harness.trajectory import State
 

@@ -10,8 +10,8 @@ from plumbline.harness.adapter import Adapter, Feature, Settings
 from plumbline.harness.case.commands import acting
 from plumbline.harness.case.forces import Controlled
 from plumbline.harness.conformance.check import Finding, check, judge, near
-from plumbline.harness.conformance.runs import COARSE, FINE, ROUNDING, built, state_of
-from plumbline.harness.conformance.scenes import TURNED, G, ball, block, free, ground
+from plumbline.harness.conformance.exact import TURNED, G, ball, block, free, ground
+from plumbline.harness.conformance.room import COARSE, FINE, ROUNDING, built, state_of
 from plumbline.harness.scene import (
     Body,
     Box,

@@ -8,9 +8,8 @@ import numpy as np
 
 from plumbline.harness.adapter import Adapter, Feature, Settings
 from plumbline.harness.conformance.check import Finding, check, judge, near, that
-from plumbline.harness.conformance.exact import rotation
-from plumbline.harness.conformance.runs import built
-from plumbline.harness.conformance.scenes import static
+from plumbline.harness.conformance.exact import rotation, static
+from plumbline.harness.conformance.room import built
 from plumbline.harness.scene import (
     WORLD,
     Appearance,

@@ -7,9 +7,8 @@ import numpy as np
 
 from plumbline.harness.adapter import Adapter, Feature, Settings
 from plumbline.harness.conformance.check import Finding, NotApplicable, check, judge, near
-from plumbline.harness.conformance.exact import rotation
-from plumbline.harness.conformance.runs import COARSE, built, state_of
-from plumbline.harness.conformance.scenes import TURNED, G, free
+from plumbline.harness.conformance.exact import TURNED, G, free, rotation
+from plumbline.harness.conformance.room import COARSE, built, state_of
 from plumbline.harness.scene import Body, Imu, Quaternion, Scene, multiply
 from plumbline.harness.trajectory import Trajectory
 

@@ -12,9 +12,11 @@ import numpy as np
 
 from plumbline.harness.adapter import Adapter, Feature, Settings
 from plumbline.harness.conformance.check import Finding, check, judge, near, that
-from plumbline.harness.conformance.exact import rotation, turned_by
+from plumbline.harness.conformance.exact import G, rotation, turned_by
 from plumbline.harness.conformance.room import (
+    COARSE,
     MOUNT,
+    ROUNDING,
     SIGMAS,
     WALLS,
     carrier,
@@ -25,8 +27,6 @@ from plumbline.harness.conformance.room import (
     three,
     worst,
 )
-from plumbline.harness.conformance.runs import COARSE, ROUNDING
-from plumbline.harness.conformance.scenes import G
 from plumbline.harness.scene import (
     AxisNoise,
     Imu,

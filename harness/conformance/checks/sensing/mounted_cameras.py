@@ -6,8 +6,7 @@ import numpy as np
 
 from plumbline.harness.adapter import Adapter, Feature, Settings
 from plumbline.harness.conformance.check import Finding, check, judge, near, that
-from plumbline.harness.conformance.room import MOUNT, SIGMAS, in_a_room, mounted, read_on, seen_from, worst
-from plumbline.harness.conformance.runs import COARSE
+from plumbline.harness.conformance.room import COARSE, MOUNT, SIGMAS, in_a_room, mounted, read_on, seen_from, worst
 from plumbline.harness.scene import (
     Camera,
     DepthCamera,

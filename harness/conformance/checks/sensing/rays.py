@@ -6,9 +6,8 @@ import numpy as np
 
 from plumbline.harness.adapter import Adapter, Feature, Settings, Unsupported
 from plumbline.harness.conformance.check import Finding, NotApplicable, check, judge, near, that
-from plumbline.harness.conformance.exact import first_hit, rotation
-from plumbline.harness.conformance.runs import built, state_of
-from plumbline.harness.conformance.scenes import TURNED, ball, free, static
+from plumbline.harness.conformance.exact import TURNED, ball, first_hit, free, rotation, static
+from plumbline.harness.conformance.room import built, state_of
 from plumbline.harness.scene import (
     Box,
     Capsule,

@@ -119,7 +119,7 @@ def read_finding(path: Path) -> Finding:
     )
 
 
-FOLDER = Path(__file__).resolve().parents[3] / "findings"
+FOLDER = Path(__file__).resolve().parents[2] / "findings"
 """Where the scripts lie, a folder an engine."""
 
 

@@ -147,6 +147,7 @@ ADAPTER = MujocoAdapter(
                 "by_scene": True,
                 "cone": "elliptic",
                 "impratio": 10.0,
+                "rolling_impratio": 1e-6,
                 "contact_steps": 20.0,
                 "fast_steps": 2.0,
                 "contact_damping_ratio": 1.2,

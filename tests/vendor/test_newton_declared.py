@@ -48,7 +48,7 @@ def test_what_a_shape_and_a_builder_have_words_for() -> None:
     assert "not supported" in str(newton.solvers.SolverMuJoCo.__doc__).split("DISTANCE")[1][:40]
 
 
-@pytest.mark.parametrize("word", ["static", "kinetic", "pair_friction", "gyro", "ccd", "sweep", "continuous"])
+@pytest.mark.parametrize("word", ["static", "kinetic", "pair_friction", "gyro", "ccd", "continuous"])
 def test_no_shape_builder_or_rigid_solver_has_such_a_word(word: str) -> None:
     """But `ccd_iterations`, of MuJoCo's distances, and `include_static_kinematic_pairs`, of who meets whom."""
     known = {"ccd_iterations", "ccd_tolerance", "enable_multiccd", "include_static_kinematic_pairs"}

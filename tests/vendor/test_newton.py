@@ -8,8 +8,10 @@ import numpy as np
 import pytest
 
 wp = pytest.importorskip("warp", reason="installed when it is asked for")
+wp.config.enable_backward = False
 newton = pytest.importorskip("newton", reason="installed when it is asked for")
-pytestmark = pytest.mark.newton
+# On a new machine kernels are compiled here, one for minutes.
+pytestmark = [pytest.mark.newton, pytest.mark.timeout(1800)]
 
 G = 9.81
 

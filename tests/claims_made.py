@@ -18,8 +18,8 @@ ROOT = Path(__file__).parents[1]
 PAGE = ROOT / "docs" / "fairness.md"
 ENGINES = ("bullet", "dart", "mujoco", "newton", "rapier", "sapien")
 NAMED = re.compile(
-    r"\b(MuJoCo(?:-Warp)?|Bullet|pybullet|DART|dartpy|Rapier|PhysX|SAPIEN|XPBD|Newton(?!'s (?:law|method|iteration|equation|third))"
-    r"(?! (?:iteration|step|method)|-))\b"
+    r"\b(MuJoCo(?:-Warp)?|Bullet|pybullet|DART|dartpy|Rapier|PhysX|SAPIEN|XPBD|"
+    r"Newton(?!'s (?:law|method|iteration|equation|third))(?! (?:iteration|step|method|solver)|-))\b"
 )
 """Engines, and no law or method of Newton's."""
 AGAINST = re.compile(
@@ -95,7 +95,7 @@ def written() -> Iterator[str]:
 
 
 def shown() -> Iterator[str]:
-    """What templates of pages, built-in studies and the docstrings of cases say against an engine; findings have rows by name."""
+    """What templates of pages, built-in studies and docstrings of cases say against an engine; findings have rows by name."""
     for page in sorted((ROOT / "reports").rglob("*.html")):
         for sentence in re.split(r"(?<=[.;])\s+(?=[A-Z`*\[])|\n\s*\n", page.read_text(encoding="utf-8")):
             text = " ".join(re.sub(r"(?s)<[^>]*>|\{[%#].*?[%#]\}|\{\{.*?\}\}", " ", sentence).split())

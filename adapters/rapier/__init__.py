@@ -26,7 +26,8 @@ Deviations:
     * Joints between free bodies ('joints': 'impulse', the default) are constraints of 1e6 Hz: a pendulum of 60 degrees loses
       1.8 % of m g l in 10 s at 4 sub-steps of 1/960 s. A chain of ten opens by 1.6 mm. 'multibody', on 'tuned', has trees of
       hinges, slides and fixed joints in reduced coordinates (0.2 %). Balls, what is damped or prescribed, what closes loops,
-      and velocities that joints do not allow stay with constraints: one that closes a loop stops multibodies dead. Rotors are
+      and velocities that joints do not allow stay with constraints: a hinge that closes a loop
+      of hinges stops multibodies dead, which a ball would not. Rotors are
       of reduced coordinates alone, which trees with one take on 'default' too.
     * An angle of a joint that is a constraint is counted modulo a turn: trees with limits further apart, with springs and
       drives half a turn from the start, or with bodies without mass are in reduced coordinates on 'default' too, or refused.

@@ -213,7 +213,8 @@ def _lock(constraint: Any, joint: Any) -> None:
         check_laws(joint)
     if laws:
         raise Unsupported(
-            f"joint '{joint.name}': {laws[0]}", "drives of SAPIEN's constraints miss their law by 5 %; joints in trees have it"
+            f"joint '{joint.name}': {laws[0]}",
+            "drives of SAPIEN's constraints exceed their law under TGS, and limit an impulse; joints in trees have it",
         )
     low, high = (None, None)
     if getattr(joint, "limits", None) is not None:

@@ -34,7 +34,7 @@ def trees_of(scene: Scene, joints: Sequence[Joint]) -> list[JointTree]:
             groups.unite(joint.parent, joint.child)
     barred = {groups.root(body.name) for body in scene.bodies if body.motion == "kinematic" or _damped(body, scene.effects)}
     barred |= {groups.root(_moving(j, still)) for j in joints if j not in apt or not _allowed(scene, j)}
-    # An impulse joint that closes a loop of hinges stops multibodies dead: four bars at 1 rad/s within two steps.
+    # A hinge that is an impulse joint and closes a loop of hinges stops multibodies dead: four bars at 1 rad/s in two steps.
     barred |= {groups.root(_moving(j, still)) for j in spanning_forest(apt, lambda j: (j.parent, j.child), still).closing}
     forest = spanning_forest(
         (j for j in apt if groups.root(_moving(j, still)) not in barred), lambda j: (j.parent, j.child), still

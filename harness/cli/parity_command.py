@@ -161,7 +161,7 @@ def _audit(file: Path, wishes: Wishes, as_json: bool, options: dict[str, Any]) -
         readings.append(reading)
         _report(reading, options["tolerance"], as_json)
     if as_json:
-        print_json([{"loader": reading.title, **plain(row)} for reading in readings for row in reading.rows])
+        print_json([{"loader": reading.title, **plain(row)} for reading in readings for row in (*reading.rows, *reading.own)])
     stated = readings[0].stated
     looked_at, passed_over = compared(stated, replace(stated, wordless=stated.wordless | UNTOLD))
     if not all(reading.refused for reading in readings):
@@ -189,6 +189,8 @@ def _report(reading: "LoaderReading", tolerance: float, as_json: bool) -> None:
     documented = count - len(reading.undocumented)
     summary = f"{count} quantities differ, {documented} of them by a documented default"
     say(f"{reading.title}: {summary if count else 'reads the robot that the file states'}")
+    if reading.own:
+        say(f"{reading.title}: of its own, where the file has no word, it gives {reading.own_words}")
 
 
 def _side(reading: "LoaderReading") -> "ParitySide":
@@ -197,9 +199,10 @@ def _side(reading: "LoaderReading") -> "ParitySide":
     from plumbline.harness.study import plugins
 
     name = f"{plugins.adapter(reading.engine).title} {reading.way}".strip()
+    own = (f"of its own, where the file has no word, it gives {reading.own_words}",) if reading.own else ()
     return ParitySide(
         name=name, engine=reading.engine, source=reading.source, refused=reading.refused,
-        rows=tuple(plain(row) for row in reading.rows), notes=reading.notes, matrix_gap=reading.matrix_gap,
+        rows=tuple(plain(row) for row in reading.rows), notes=(*reading.notes, *own), matrix_gap=reading.matrix_gap,
     )  # fmt: skip
 
 

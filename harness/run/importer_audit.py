@@ -16,7 +16,7 @@ from plumbline.harness.scene.parity.comparison import compare
 from plumbline.harness.scene.parity.difference import Difference
 from plumbline.harness.scene.parity.facts import RobotFacts
 from plumbline.harness.scene.parity.kinds import kind_of
-from plumbline.harness.scene.parity.loaded import Loaded, Request, restored, stored
+from plumbline.harness.scene.parity.loaded import Loaded, Own, Request, restored, stored
 from plumbline.harness.scene.parity.stated import audited
 from plumbline.harness.study import plugins
 
@@ -31,7 +31,8 @@ class LoaderReading:
 
     Terms:
         engine, way: as in `Adapter.loaders`. stated: what the file states. source: the loader with its version, in words.
-        refused: why it made nothing; '' where it did. rows: what differs. matrix_gap: as in Loaded. notes: in words.
+        refused: why it made nothing; '' where it did. rows: what differs. own: what the loader gives that the file has no word
+        for, a row a quantity; it counts as no difference. matrix_gap: as in Loaded. notes: in words.
     """
 
     engine: str
@@ -41,6 +42,7 @@ class LoaderReading:
     source: str = ""
     refused: str = ""
     rows: tuple[Difference, ...] = ()
+    own: tuple[Difference, ...] = ()
     matrix_gap: float | None = None
     notes: tuple[str, ...] = ()
 
@@ -48,6 +50,11 @@ class LoaderReading:
     def title(self) -> str:
         """Engine and way."""
         return f"{self.engine} {self.way}".strip()
+
+    @property
+    def own_words(self) -> str:
+        """What the loader gives that the file has no word for, in words; '' for nothing."""
+        return ", ".join(f"{row.element} {_numbers(row)}".rstrip() for row in self.own)
 
     @property
     def undocumented(self) -> tuple[Difference, ...]:
@@ -72,9 +79,23 @@ def audit(file: Path, wishes: Wishes, tolerance: float, seed: int = 0) -> Iterat
                 reading,
                 source=loaded.facts.source,
                 rows=_documented(rows, adapter.loader_defaults.get((way, file.suffix.lower()), {})),
+                own=tuple(_own(each, tolerance) for each in loaded.own if file.suffix.lower() == ".urdf"),
                 matrix_gap=loaded.matrix_gap,
                 notes=loaded.notes,
             )
+
+
+def _numbers(row: Difference) -> str:
+    values = row.value_B if isinstance(row.value_B, tuple) else (row.value_B,)
+    return f"{' or '.join(f'{value:g}' for value in values)} {'' if row.unit == '1' else row.unit}"
+
+
+def _own(given: Own, tolerance: float) -> Difference:
+    value = given.values[0] if len(given.values) == 1 else given.values
+    return Difference(
+        quantity="own value", element=given.quantity, value_A=None, value_B=value, unit=given.unit, tolerance=tolerance,
+        kind="own value", words="the file has no word for it",
+    )  # fmt: skip
 
 
 def _documented(rows: list[Difference], defaults: Mapping[str, str]) -> tuple[Difference, ...]:

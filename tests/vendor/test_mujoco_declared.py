@@ -285,3 +285,9 @@ def test_a_body_between_two_joints_needs_a_mass_and_two_joints_of_one_body_do_no
     else:
         with pytest.raises(ValueError, match="must be larger than mjMINVAL"):
             mujoco.MjModel.from_xml_string(text)
+
+
+def test_loops_are_closed_by_points_welds_and_ties_of_coordinates_and_by_no_hinge_or_slide() -> None:
+    kinds = {name.removeprefix("mjEQ_") for name in mujoco.mjtEq.__members__}
+    assert {"CONNECT", "WELD", "JOINT", "TENDON"} <= kinds
+    assert not [kind for kind in kinds if "SLIDE" in kind or "HINGE" in kind or "PRISMATIC" in kind or "REVOLUTE" in kind]

@@ -125,12 +125,12 @@ def bend_links(tables: Tables, bodies: Bodies, h: float) -> None:
     """Write the bend of every link at the present rates, and the force that it needs for what is new of it."""
     link, motion, passage = tables.link, tables.motion, tables.passage
     for i in range(link.shape[0]):
-        d, way = go_to_end(tables, bodies, i, h)
+        d, shift = go_to_end(tables, bodies, i, h)
         store4(passage, i, tree.TURNING, d)
-        store3(passage, i, tree.WAY, way)
+        store3(passage, i, tree.WAY, shift)
         tangent = load3(motion, i, tree.VELOCITY)
         turning = sub(angular_velocity(d, h, tangent), tangent)
-        sliding = axpy(1.0 / h, way, scale(-1.0, centre_velocity(tables, i)))
+        sliding = axpy(1.0 / h, shift, scale(-1.0, centre_velocity(tables, i)))
         more_w, more_v = sub(turning, load3(passage, i, tree.BEND)), sub(sliding, load3(passage, i, tree.BEND + 3))
         store3(passage, i, tree.BEND, turning)
         store3(passage, i, tree.BEND + 3, sliding)

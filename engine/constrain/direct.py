@@ -129,10 +129,10 @@ def solve(rows: Rows, n: int, bodies: Bodies, right: int, out: int) -> None:
     for i in range(n - 1, -1, -1):
         if vector[at.PIVOT, i] == 1.0:
             continue
-        found = vector[out, i] / low[i, i]
-        vector[out, i] = found
+        impulse = vector[out, i] / low[i, i]
+        vector[out, i] = impulse
         for k in range(int(vector[at.ENVELOPE, i]), i):
-            vector[out, k] -= low[i, k] * found
+            vector[out, k] -= low[i, k] * impulse
 
 
 @kernel

@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 from plumbline.adapters.bullet.vendor import Port, connected, pybullet_module, silenced
 from plumbline.harness.adapter import Unsupported
 from plumbline.harness.scene.parity.facts import FIXED, JointFacts
-from plumbline.harness.scene.parity.loaded import Loaded, LoadedLink, Request, gathered, matrix_gap
+from plumbline.harness.scene.parity.loaded import Loaded, LoadedLink, Own, Request, gathered, matrix_gap, own_values
 
 _OPEN = 1e9
 """A bound beyond which pybullet means none."""
@@ -50,7 +50,24 @@ def load(path: Path, request: Request) -> Loaded:
         return M[np.ix_(places, places)] if M.shape == (len(order), len(order)) else None
 
     notes = (f"{others} more bodies that move were made of the file, and are not compared",) if others else ()
-    return Loaded(facts=facts, matrix_gap=matrix_gap(facts, matrix), notes=notes)
+    return Loaded(facts=facts, matrix_gap=matrix_gap(facts, matrix), notes=notes, own=_own(port, body, count))
+
+
+_OWN = (
+    (1, "friction", "1"),
+    (7, "torsional friction", "m"),
+    (6, "rolling friction", "m"),
+    (5, "restitution", "1"),
+    (11, "collision margin", "m"),
+)
+"""The places of `getDynamicsInfo` at which a shape's own numbers stand."""
+
+
+def _own(port: Port, body: int, count: int) -> tuple[Own, ...]:
+    """What the links with shapes that touch are given; each is told for all its shapes together."""
+    touching = [k for k in range(-1, count) if port.call("getCollisionShapeData", body, k)]
+    told = [port.call("getDynamicsInfo", body, k) for k in touching]
+    return tuple(own for index, quantity, unit in _OWN for own in own_values(quantity, (each[index] for each in told), unit))
 
 
 def _loaded(port: Port, path: Path, request: Request) -> tuple[int, int]:
@@ -108,6 +125,8 @@ def _link(port: Port, body: int, k: int, names: dict[int, str], endless: frozens
     state = port.call("getLinkState", body, k, computeForwardKinematics=True)
     R = Rotation.from_quat(state[1]).as_matrix()
     joints: tuple[JointFacts, ...] = ()
+    if joint[2] == bullet.JOINT_PLANAR:
+        raise Unsupported(f"joint '{joint[1].decode()}'", "pybullet tells no axes of a planar joint")
     if joint[2] != bullet.JOINT_FIXED:
         bounded = joint[1].decode() not in endless and joint[8] <= joint[9] and max(abs(joint[8]), abs(joint[9])) < _OPEN
         kinds = {bullet.JOINT_PRISMATIC: "prismatic", bullet.JOINT_SPHERICAL: "ball"}

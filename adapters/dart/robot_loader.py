@@ -1,5 +1,6 @@
 """What DART's own loaders make of a robot file: `DartLoader` or `MjcfParser`, read back from skeletons at zero positions."""
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -9,9 +10,11 @@ from plumbline.adapters.dart.vendor import load as dart_module
 from plumbline.adapters.dart.vendor import overheard
 from plumbline.harness.adapter import Unsupported
 from plumbline.harness.scene.parity.facts import FIXED, JointFacts, Law
-from plumbline.harness.scene.parity.loaded import Loaded, LoadedLink, Request, gathered, matrix_gap
+from plumbline.harness.scene.parity.loaded import Loaded, LoadedLink, Own, Request, gathered, matrix_gap, own_values
 
 _KINDS = {"RevoluteJoint": "revolute", "PrismaticJoint": "prismatic", "BallJoint": "ball", "FreeJoint": "free"}
+_SIDES = ("x", "y", "angle")
+"""The coordinates of a planar joint, as they are called here."""
 
 
 def load(path: Path, request: Request) -> Loaded:
@@ -37,13 +40,14 @@ def load(path: Path, request: Request) -> Loaded:
             links.append(_link(node, joint))
     facts = gathered("DART", links, tuple(laws))
     skeleton = max(skeletons, key=lambda candidate: candidate.getNumDofs())
+    own = tuple(_own(skeletons))
     if sum(candidate.getNumDofs() > 0 for candidate in skeletons) > 1:
-        return Loaded(facts=facts)
-    places = {
-        skeleton.getJoint(k).getName(): int(skeleton.getJoint(k).getIndexInSkeleton(0))
-        for k in range(skeleton.getNumJoints())
-        if skeleton.getJoint(k).getNumDofs() == 1
-    }
+        return Loaded(facts=facts, own=own)
+    places: dict[str, int] = {}
+    for joint in map(skeleton.getJoint, range(skeleton.getNumJoints())):
+        names = [f"{joint.getName()}.{side}" for side in _SIDES] if joint.getType() == "PlanarJoint" else [joint.getName()]
+        if len(names) == joint.getNumDofs():
+            places |= {name: int(joint.getIndexInSkeleton(k)) for k, name in enumerate(names)}
 
     def matrix(q: dict[str, float]) -> Any:
         positions = np.zeros(skeleton.getNumDofs())
@@ -53,7 +57,16 @@ def load(path: Path, request: Request) -> Loaded:
         order = [places[name] for name in q]
         return np.array(skeleton.getMassMatrix())[np.ix_(order, order)]
 
-    return Loaded(facts=facts, matrix_gap=matrix_gap(facts, matrix))
+    return Loaded(facts=facts, matrix_gap=matrix_gap(facts, matrix), own=own)
+
+
+def _own(skeletons: list[Any]) -> Iterator[Own]:
+    """What the shapes that touch are given."""
+    nodes = [skeleton.getBodyNode(k) for skeleton in skeletons for k in range(skeleton.getNumBodyNodes())]
+    shapes = [node.getShapeNode(k).getDynamicsAspect() for node in nodes for k in range(node.getNumShapeNodes())]
+    aspects = [aspect for aspect in shapes if aspect is not None]
+    yield from own_values("friction", (aspect.getFrictionCoeff() for aspect in aspects), "1")
+    yield from own_values("restitution", (aspect.getRestitutionCoeff() for aspect in aspects), "1")
 
 
 def _of_urdf(dart: Any, path: Path, request: Request) -> list[Any]:
@@ -79,10 +92,34 @@ def _link(node: Any, joint: Any) -> LoadedLink:
     return LoadedLink(
         name=node.getName(),
         parent=None if parent is None else parent.getName(),
-        joints=() if joint.getNumDofs() == 0 else (_joint(joint, X),),
+        joints=()
+        if joint.getNumDofs() == 0
+        else _planar(joint, X)
+        if joint.getType() == "PlanarJoint"
+        else (_joint(joint, X),),
         mass=float(inertia.getMass()),
         centre=R @ np.array(inertia.getLocalCOM()) + np.array(X.translation()),
         inertia=R @ np.array(inertia.getMoment()) @ R.T,
+    )
+
+
+def _planar(joint: Any, X: Any) -> tuple[JointFacts, ...]:
+    """Two slides and a hinge, which share the joint's damping one by one."""
+    within = joint.getTransformFromChildBodyNode()
+    R, anchor = np.array(X.rotation()) @ np.array(within.rotation()), np.array(X.rotation()) @ np.array(within.translation())
+    along = (joint.getTranslationalAxis1(), joint.getTranslationalAxis2(), joint.getRotationalAxis())
+    return tuple(
+        JointFacts(
+            name=f"{joint.getName()}.{side}",
+            kind="revolute" if side == "angle" else "prismatic",
+            parent=FIXED,
+            axis=R @ np.array(axis).ravel(),
+            anchor=anchor + np.array(X.translation()),
+            damping=float(joint.getDampingCoefficient(k)),
+            stiffness=float(joint.getSpringStiffness(k)),
+            friction_loss=float(joint.getCoulombFriction(k)),
+        )
+        for k, (side, axis) in enumerate(zip(_SIDES, along, strict=True))
     )
 
 

@@ -10,7 +10,16 @@ import numpy as np
 from plumbline.adapters.mujoco.vendor import mujoco_module
 from plumbline.harness.adapter import Unsupported
 from plumbline.harness.scene.parity.facts import FIXED, JointFacts, Law
-from plumbline.harness.scene.parity.loaded import Loaded, LoadedLink, Request, gathered, in_packages, matrix_gap
+from plumbline.harness.scene.parity.loaded import (
+    Loaded,
+    LoadedLink,
+    Own,
+    Request,
+    gathered,
+    in_packages,
+    matrix_gap,
+    own_values,
+)
 
 
 def load(path: Path, request: Request) -> Loaded:
@@ -46,19 +55,34 @@ def load(path: Path, request: Request) -> Loaded:
     links = [_link(mj, model, data, k) for k in range(1, model.nbody)]
     facts = gathered(f"MuJoCo {mj.__version__}", links, laws, frozenset({"speed"}))
 
+    number = {_joint_name(model, j): j for j in range(model.njnt)}
+
     def matrix(q: dict[str, float]) -> Any:
         for name, value in q.items():
-            data.qpos[model.joint(name).qposadr[0]] = value
+            data.qpos[model.jnt_qposadr[number[name]]] = value
         mj.mj_forward(model, data)
         full = np.zeros((model.nv, model.nv))
         try:
             mj.mj_fullM(model, full, data.qM)
         except (TypeError, AttributeError):
             mj.mj_fullM(model, data, full)
-        order = [int(model.joint(name).dofadr[0]) for name in q]
+        order = [int(model.jnt_dofadr[number[name]]) for name in q]
         return full[np.ix_(order, order)]
 
-    return Loaded(facts=facts, matrix_gap=matrix_gap(facts, matrix), notes=notes)
+    return Loaded(facts=facts, matrix_gap=matrix_gap(facts, matrix), notes=notes, own=_own(model))
+
+
+def _own(model: Any) -> tuple[Own, ...]:
+    """What the shapes that touch are given."""
+    touching = np.flatnonzero(model.geom_contype | model.geom_conaffinity)
+    sliding, torsional, rolling = model.geom_friction[touching].T
+    return (
+        *own_values("friction", sliding, "1"),
+        *own_values("torsional friction", torsional, "m"),
+        *own_values("rolling friction", rolling, "m"),
+        *own_values("contact margin", model.geom_margin[touching], "m"),
+        *own_values("contact time constant", model.geom_solref[touching, 0], "s"),
+    )
 
 
 def _compiled(spec: Any, request: Request) -> Any:
@@ -97,8 +121,18 @@ def _laws(mj: Any, model: Any, data: Any) -> Iterator[Law]:
             yield Law(kind="equality", name=name)
 
 
+_PLANAR = {"_TX": ".x", "_TY": ".y", "_RZ": ".angle"}
+"""How the compiler calls the three joints that it makes of a URDF's planar one, and what they are called here."""
+
+
 def _joint_name(model: Any, j: int) -> str:
-    return model.joint(j).name or f"joint_{j}"
+    name: str = model.joint(j).name or f"joint_{j}"
+    body = int(model.jnt_bodyid[j])
+    first, count = int(model.body_jntadr[body]), int(model.body_jntnum[body])
+    beside = [model.joint(first + k).name for k in range(count)]
+    if count == len(_PLANAR) and beside == [f"{beside[0][:-3]}{ending}" for ending in _PLANAR]:
+        return name[:-3] + _PLANAR[name[-3:]]
+    return name
 
 
 def _mover(model: Any, body: int) -> str:

@@ -18,9 +18,10 @@ Deviations:
     * MuJoCo-Warp's contacts, limits and loops are soft, by a time constant of .02 s on 'default': the vendor's ke and kd of a
       shape are read as that and a damping ratio of 1, whatever the mass. On 'tuned' limits and dry friction are held at two
       steps, as `adapters.mujoco` measured.
-    * MuJoCo-Warp's own collisions find one point of contact for pairs of shapes without a rule of their own (a box, hull or
-      lying cylinder on a cylinder, hull or mesh, a hull or lying cylinder on a box): what lies so sinks by 3.7 to 4.1 mm on
-      'default'. On 'tuned' Newton's collisions find four, and what lies sinks by .3 mm at most.
+    * MuJoCo-Warp finds one point of contact for pairs of shapes without a rule of their own (a box, hull or lying cylinder on a
+      cylinder, hull or mesh, a hull or lying cylinder on a box): what lies so sinks by 5.5 mm on 'tuned', by 4.1 on
+      'default'. Newton's own collisions (the option 'contacts') find four, and what lies sinks by .3 mm at most; but under
+      elliptic cones a box that slides at 3 m/s hops on them by 30 to 100 mm, so that neither track takes them.
     * Of two coefficients of friction MuJoCo-Warp takes the greater, XPBD the mean: each kind of body is told a number from
       which its pairs come out as the scene says, and surfaces that no numbers give are refused. Friction has one coefficient.
       'default' has pyramids, whose edges are up to 41 % off. What has no friction is told contacts of one dimension: a
@@ -85,7 +86,7 @@ class NewtonAdapter(Adapter):
 _SPUN = "single precision: each step turns a spin into the body and back, and changes it by some 3e-7 of itself"
 _RAYS = "rays are cast in single precision: 1.4e-5 m off on round shapes, 1e-4 m on planes at a graze and within 50 m"
 
-_SINKS = "MuJoCo-Warp finds one point of contact, under which what lies sinks by 3.7 to 4.1 mm"
+_SINKS = "MuJoCo-Warp finds one point of contact, under which what lies sinks by 3.6 to 5.5 mm"
 _ON_ONE_POINT = (
     *(f"lying_cylinder_rests_on_{ground}" for ground in ("box", "cylinder", "hull", "mesh")),
     *(f"hull_rests_on_{ground}" for ground in ("box", "cylinder", "hull", "mesh")),
@@ -141,17 +142,15 @@ ADAPTER = NewtonAdapter(
         ),
         "tuned": Settings(
             options={
-                "contacts": "newton",
                 "cone": "elliptic",
                 "impratio": 10.0,
                 "contact_steps": 20.0,
                 "contact_damping_ratio": 1.2,
                 "limit_steps": 2.0,
             },
-            source="Newton's own contacts, as in its examples of robots (use_mujoco_contacts=False); elliptic cones, impratio "
-            "above 1: MuJoCo documentation, Modeling, preventing slip; contacts of 20 steps (at four a sliding box hops by 19 "
-            "mm: measured here), of ratio 1.2, limits and dry friction of two steps, ratio 1.7: measured on MuJoCo "
-            "(`adapters.mujoco`)",
+            source="elliptic cones, impratio above 1: MuJoCo documentation, Modeling, preventing slip; contacts of 20 steps "
+            "(at four a sliding box hops by 19 mm: measured here), of ratio 1.2, limits and dry friction of two steps, ratio "
+            "1.7: measured on MuJoCo (`adapters.mujoco`)",
         ),
     },
     known_failures={
@@ -161,7 +160,8 @@ ADAPTER = NewtonAdapter(
             for check in ("hidden_damping_is_off", "nothing_brakes_a_free_body")
         },
         **{f"{track}/rays_match_closed_forms": _RAYS for track in ("default", "tuned")},
-        **{f"default/{pair}": _SINKS for pair in _ON_ONE_POINT},
+        **{f"{track}/{pair}": _SINKS for track in ("default", "tuned") for pair in _ON_ONE_POINT},
+        **{f"tuned/lying_capsule_rests_on_{ground}": _SINKS for ground in ("cylinder", "hull", "mesh")},
         "tuned/pair_slide_and_friction_loss": "dry friction held as stiffly in single precision: a velocity is off by 7e-5 m/s",
         "default/limits_hold": "Newton's default limits are springs of 1e4 N m/rad: a rod turns .06 rad beyond one",
         "default/dry_friction_beside_a_drive": (

@@ -15,7 +15,7 @@ from plumbline.adapters.sapien.vendor import new_world
 from plumbline.harness.adapter import Notice, Settings, Unsupported
 from plumbline.harness.adapter.carried_laws import refuse_tendons
 from plumbline.harness.adapter.distance_springs import DistanceSprings, is_distance_spring
-from plumbline.harness.adapter.reduced_trees import Tree, trees_of
+from plumbline.harness.adapter.reduced_trees import JointTree, trees_of
 from plumbline.harness.scene import WORLD, Effect, Joint, Plane, Scene
 
 IGNORED = 32
@@ -67,7 +67,7 @@ class _Builder:
     world: World
     scene: Scene
     bodies: Bodies
-    trees: list[Tree]
+    trees: list[JointTree]
     names: dict[str, Any] = field(default_factory=dict)
     ignored: Mapping[str, tuple[int, int]] = field(default_factory=dict)
 

@@ -12,7 +12,7 @@ from plumbline.harness.adapter import Unsupported
 from plumbline.harness.adapter.carried_laws import carried, refuse_armature, refuse_speed_limit
 from plumbline.harness.adapter.joint_frames import joint_frames, within
 from plumbline.harness.adapter.motors import Motor, drive_motor, motors_of
-from plumbline.harness.adapter.reduced_trees import Tree
+from plumbline.harness.adapter.reduced_trees import JointTree
 from plumbline.harness.scene import WORLD, Ball, Distance, Drive, Effect, Fixed, Joint, Prismatic, Revolute, Scene, Spring
 from plumbline.harness.trajectory import State
 from plumbline.harness.trajectory.joint_states import joint_states
@@ -65,7 +65,7 @@ class Articulated:
     link: Callable[[str, Any], Any]
     driven: dict[str, Driven] = field(default_factory=dict)
 
-    def put(self, world: Any, tree: Tree) -> dict[str, Any]:
+    def put(self, world: Any, tree: JointTree) -> dict[str, Any]:
         """The links of a tree by the names of their bodies, with the velocities of the start. Raises: Unsupported."""
         component, scene = self.sapien.physx.PhysxArticulationLinkComponent, self.scene
         still = tree.root == WORLD or scene.body(tree.root).motion == "static"
@@ -126,7 +126,7 @@ class Articulated:
         if driven:
             self.driven[joint.name] = Driven(link_joint, joint.drive, joint.spring, joint.position)
 
-    def _set_rates(self, articulation: Any, tree: Tree, still: bool) -> None:
+    def _set_rates(self, articulation: Any, tree: JointTree, still: bool) -> None:
         scene, start = self.scene, State.initial(self.scene)
         rate = dict(zip((joint.name for joint in scene.joints), joint_states(scene, start).rate.tolist(), strict=True))
         if not still:

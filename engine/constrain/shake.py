@@ -20,7 +20,7 @@ from plumbline.engine.compile.jit import kernel
 from plumbline.engine.constrain.bounded import solve_bounded
 from plumbline.engine.constrain.coordinate import bounded_rows
 from plumbline.engine.constrain.direct import apply_all, assemble, factor, rate, solve
-from plumbline.engine.constrain.joint_rows import equality_rows
+from plumbline.engine.constrain.joint_rows import equality_rows, write_gaps
 from plumbline.engine.constrain.projection import widest_gap
 from plumbline.engine.constrain.reactions import add_reactions
 from plumbline.engine.constrain.stages import NEW
@@ -37,16 +37,12 @@ CLOSED = 1e-3
 
 
 @kernel
-def joint_gaps(state: Floats, joints: Joints, rows: Rows, spare: int, h: float) -> float:
-    """Write -C / h of the present state into RIGHT; the rows from `spare` on are overwritten, the earlier ones stay.
-
-    Returns: the widest gap.
-    """
-    ends = Rows(rows.row[spare:], rows.body[spare:], rows.reach, rows.matrix, rows.factor, rows.vector)
-    n = equality_rows(state, joints, ends)
+def joint_gaps(state: Floats, joints: Joints, rows: Rows, n: int, h: float) -> float:
+    """Write the gaps C of the present state into the n rows, and -C / h into RIGHT. Returns: the widest gap."""
+    write_gaps(state, joints, rows.row)
     for r in range(n):
-        rows.vector[at.RIGHT, r] = -ends.row[r, at.GAP] / h
-    return widest_gap(ends.row, n)
+        rows.vector[at.RIGHT, r] = -rows.row[r, at.GAP] / h
+    return widest_gap(rows.row, n)
 
 
 @kernel
@@ -77,24 +73,26 @@ def shake(bodies: Bodies, joints: Joints, rows: Rows, start: Floats, setting: Fl
         for c in range(7):
             start[b, c] = state[b, c]
     n = solve_joints(bodies, joints, rows, h)
-    spare = rows.row.shape[0] // 2
-    before = math.inf
+    before, closed = math.inf, CLOSED * setting[0, at.STEP_TOLERANCE]
     for _ in range(MAX_ROUNDS):
         for b in range(last):
             if bodies.kind[b, at.MOTION] != at.STATIC:
                 store3(state, b, at.P, axpy(h, load3(state, b, at.V), load3(start, b, at.P)))
                 store4(state, b, at.Q, quat_turn(load4(start, b, at.Q), load3(state, b, at.W), h))
-        widest = joint_gaps(state, joints, rows, spare, h)
-        if widest <= CLOSED * setting[0, at.STEP_TOLERANCE] or not widest < 1e6:
+        widest = joint_gaps(state, joints, rows, n, h)
+        if widest <= closed or not widest < 1e6:
             break
         if widest > before:
             apply_all(state, rows, n, bodies, at.WORK, -1.0)
             add_reactions(joints, rows, n, at.WORK, -1.0)
             break
-        before = widest
         solve(rows, n, bodies, at.RIGHT, at.WORK)
         apply_all(state, rows, n, bodies, at.WORK, 1.0)
         add_reactions(joints, rows, n, at.WORK, 1.0)
+        if before < math.inf and widest * widest <= closed * before:
+            # What this round leaves is to it as it is to the one before.
+            break
+        before = widest
     for r in range(n):
         if rows.row[r, at.SOFTNESS] > 0.0:
             joints.joint[rows.body[r, at.JOINT_OF], at.ROTOR_RATE] = rate(state, rows, r)

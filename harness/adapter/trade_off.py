@@ -1,4 +1,6 @@
-"""Why a tuned track stands as it does although another setting does better in some cases."""
+"""What adapters declare: why a tuned track stays though a setting does better somewhere, why ours errs least, what an extra
+takes.
+"""
 
 import sys
 from collections.abc import Iterable, Mapping, Sequence

@@ -1,4 +1,6 @@
-"""The page `docs/cli.md`: examples, and each command with its options as the code has them."""
+"""The page `docs/cli.md`: examples, and each command with its options as the code has them; and the command that says what a
+word means.
+"""
 
 import tomllib
 from collections.abc import Iterator

@@ -1,4 +1,6 @@
-"""Commands on what is installed: the engines, the cases, and the conformance kit for one adapter."""
+"""Commands on what is installed: the engines, the cases, the conformance kit for one adapter, and what engines compile
+beforehand.
+"""
 
 import os
 import sys

@@ -22,7 +22,7 @@ from plumbline.harness.intake.safe_text import quoted
 if TYPE_CHECKING:
     from plumbline.harness.history.changes_since import News
     from plumbline.harness.history.folder import History
-    from plumbline.harness.history.night_policy import Asked, Steering
+    from plumbline.harness.history.night_policy import NightWish, Steering
     from plumbline.harness.history.remote_storage import Elsewhere
 
 _UNBOUNDED = 86400.0
@@ -105,9 +105,9 @@ def _drill(engines: Sequence[str]) -> None:
 
 def _asked(
     *, study: str, engines: Sequence[str], globs: tuple[str, ...], gated: tuple[str, ...], keep: Any, agreed: bool, **rest: Any
-) -> "Asked":
+) -> "NightWish":
     from plumbline.api.studies import study_and_cases
-    from plumbline.harness.history.night_policy import Asked
+    from plumbline.harness.history.night_policy import NightWish
     from plumbline.harness.study.catalogue import describe_engine
     from plumbline.harness.study.engine_versions import asked as as_asked
     from plumbline.harness.study.experiment import StudyError
@@ -125,11 +125,11 @@ def _asked(
                 f"{quoted(engine)} is not asked, expected some of {', '.join(adapters)}", param_hint="--gate"
             )
     ours = tuple(name for name, adapter in adapters.items() if describe_engine(adapter)["ours"])
-    return Asked(study=plan, cases=cases, adapters=adapters, gated=gated or ours, keep=keep, **rest)
+    return NightWish(study=plan, cases=cases, adapters=adapters, gated=gated or ours, keep=keep, **rest)
 
 
 def _night(
-    history: "History", asked: "Asked", elsewhere: "Elsewhere | None", reported: bool
+    history: "History", asked: "NightWish", elsewhere: "Elsewhere | None", reported: bool
 ) -> tuple[bool, Path, Callable[[], float]]:
     """Carry it out and close it.
 

@@ -1,4 +1,4 @@
-"""Options and arguments that several commands take."""
+"""Options and arguments that several commands take: among them times, seconds, or minutes and hours by their letter."""
 
 import math
 from pathlib import Path

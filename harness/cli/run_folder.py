@@ -1,4 +1,6 @@
-"""Commands on a run folder: its tables, its report and recordings, whether it is as written, a trial of it again."""
+"""Commands on a run folder: its tables, its report and recordings, whether it is as written, a trial of it again, a figure of
+it, and the dataset that it may become.
+"""
 
 import sys
 from collections.abc import Sequence
@@ -11,8 +13,9 @@ from plumbline.harness.cli.guard import GATE, MACHINE, fail_for, say, stop
 from plumbline.harness.cli.listing import print_csv, print_json, print_latex, print_markdown, print_table
 from plumbline.harness.cli.options import limited, opened, run_folder
 from plumbline.harness.cli.own_scene import shown_status
+from plumbline.harness.cli.paper_trials import paper_trials, titles_of
 from plumbline.harness.findings import tables
-from plumbline.harness.findings.columns import Column, Row, Titles, headings, milli, span
+from plumbline.harness.findings.columns import Column, Row, headings
 from plumbline.harness.findings.parameter_words import step_in_words, substeps_of
 
 if TYPE_CHECKING:
@@ -21,40 +24,6 @@ if TYPE_CHECKING:
     from plumbline.harness.findings.columns import Row
     from plumbline.harness.store.store import Store
     from plumbline.reports.html.written import WrittenReport
-
-
-def titles_of(store: "Store") -> Titles:
-    """What cases and engines are called on pages."""
-    from plumbline.reports.words.catalogue import cases, engines
-
-    of_cases = {name: str(case["title"]) for name, case in cases(store).items()}
-    return Titles(of_cases, {name: str(engine["title"]) for name, engine in engines(store).items()})
-
-
-def paper_trials(store: "Store", rows: Sequence[Row]) -> tuple[list[str], list[list[object]]]:
-    """Headings and cells."""
-    titles, cases, table = titles_of(store), store.catalogue.get("cases", {}), store.measurements
-    values = {
-        (trial, metric): (float(value), str(unit))
-        for trial, metric, value, unit in zip(table["trial"], table["metric"], table["value"], table["unit"], strict=True)
-    }
-
-    def error(row: Row) -> tuple[float | None, str]:
-        return values.get((row["trial"], cases.get(row["case"], {}).get("headline", "")), (None, ""))
-
-    columns = (
-        Column("Case", lambda row: titles.cases[row["case"]]),
-        Column("Engine", lambda row: titles.engines[row["engine"]]),
-        Column("Track", "track"),
-        Column("Time step [ms]", lambda row: milli(row["dt"])),
-        Column("Sub-steps", lambda row: substeps_of(str(row["resolved"]))),
-        Column("Error", lambda row: error(row)[0]),
-        Column("Unit", lambda row: error(row)[1]),
-        Column("CPU time [ms/s]", lambda row: milli(row["cpu_per_sim_s"])),
-        Column("95 % interval", lambda row: span(milli(row["cpu_low"]), milli(row["cpu_high"]))),
-        Column("Outcome", "status"),
-    )
-    return headings(columns), [[column.cell(row) for column in columns] for row in rows]
 
 
 _TABLES = ("trials", "measurements", "samples")
@@ -211,7 +180,7 @@ def reproduce(folder: Path, trial: str) -> None:
     from plumbline.harness.run.isolated import run_isolated
     from plumbline.harness.store.machine_fingerprint import fingerprint
     from plumbline.harness.study import plugins
-    from plumbline.harness.study.catalogue import trial_of
+    from plumbline.harness.study.reproduce import trial_of
 
     store = opened(folder)
     again = trial_of(store, trial)
@@ -255,7 +224,7 @@ def figure(folder: Path, case: str, chart: str | None, form: str, width: int, ou
     """
     from plumbline.harness.store import disk
     from plumbline.reports.html.drawing import Drawing
-    from plumbline.reports.html.written import NotMade, picture_file
+    from plumbline.reports.html.written import NotWritten, picture_file
     from plumbline.reports.paper.figures import Printed, figures_of
 
     store = opened(folder)
@@ -264,7 +233,7 @@ def figure(folder: Path, case: str, chart: str | None, form: str, width: int, ou
     if not drawn:
         raise click.UsageError(f"case '{case}' has no trial with a number to draw{f' as {chart}' if chart else ''}")
     disk.make_folder(out)
-    failures: dict[str, NotMade] = {}
+    failures: dict[str, NotWritten] = {}
     with Drawing(folder) as beside:
         files = {f"{made.name}.{form}": beside.ask(Printed(made, form, width)) for _, made in drawn}
         for name, waiting in files.items():

@@ -1,33 +1,26 @@
-"""The command that runs a study, or a scene file of one's own."""
+"""The command that runs a study, or a scene file of one's own: what it says before and after, what its gate is about, and what
+reaches past one machine.
+"""
 
 import re
 import shlex
 import sys
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 import click
-import tomli_w
 
 from plumbline.api.engines import chosen_engines
 from plumbline.api.present import present
 from plumbline.harness.cli.guard import GATE, INTERRUPTED, USAGE, check_words, fail_for, say, stop
 from plumbline.harness.cli.options import agreed, limited
-from plumbline.harness.cli.own_scene import closing_count, closing_words, scene_to_run, waiting
+from plumbline.harness.cli.own_import import scene_to_run
+from plumbline.harness.cli.own_scene import closing_count, closing_words, waiting
 from plumbline.harness.cli.robot_options import NAMES, is_robot, is_scene, robot_options, run_options
 from plumbline.harness.cli.zoo_run import ZOO, run_zoo
-from plumbline.harness.findings.effects_audit import audit, idle, scenes_of
-from plumbline.harness.findings.tables import effects
 from plumbline.harness.intake.safe_text import quoted
-from plumbline.harness.scene import Effect
-from plumbline.harness.scene.file import dump_toml
-from plumbline.harness.scene.importers.companion import beside, load_companion
-from plumbline.harness.store import disk
-from plumbline.harness.store.imported_scenes import MINIMAL
-from plumbline.harness.study.plugins import SCENE_PREFIX
 
 if TYPE_CHECKING:
     from plumbline.harness.adapter import Adapter
@@ -170,7 +163,7 @@ def _of_file(study: str, error: Exception) -> str:
 
 def _propose(store: "Store", case: "Case") -> None:
     """Write the scene with what it needs alone, where the audit proposes one, and say how it is run."""
-    from plumbline.harness.cli.run_study import write_minimal
+    from plumbline.harness.cli.minimal_scene import write_minimal
 
     written = write_minimal(store, case)
     if written is not None:
@@ -286,34 +279,3 @@ def run(
     fail_for(report.sentences())
     if failed:
         sys.exit(GATE)
-
-
-_OF_A_RUN = ("duration", "dt", "seed")
-
-
-def write_minimal(store: "Store", case: "Case") -> tuple[Path, list[str]] | None:
-    """Write the scene without the effects that its audit finds idle, by a judge that has converged.
-
-    Returns: the file and the effects; None where the audit proposes nothing. Raises: OSError.
-    """
-    audited = audit(effects.TABLE.rows(store))
-    without = [idle(scene, audited.judged) for scene in scenes_of(audited.failed) if scene[0] == case.name]
-    if not without or not without[0]:
-        return None
-    names = without[0]
-    narrow = Effect.NONE
-    for name in names:
-        narrow |= Effect[name.upper()]
-    scene = case.scene(case.parameters)
-    minimal = replace(scene, narrow=scene.narrow | narrow, widen=scene.widen & ~narrow)
-    source = Path(case.name.removeprefix(SCENE_PREFIX))
-    path = store.folder / MINIMAL / f"{source.stem}.minimal.toml"
-    disk.make_folder(path.parent)
-    heading = (
-        f"# {case.title} without what its motion does not show: {', '.join(names)}; found on the engine '{audited.judge}'.\n"
-    )
-    disk.write_atomically(path, (heading + dump_toml(minimal)).encode())
-    own = load_companion(beside(source))
-    run = {"duration": case.duration} | {key: value for key in _OF_A_RUN if (value := getattr(own, key)) is not None}
-    disk.write_atomically(beside(path), tomli_w.dumps(run).encode())
-    return path, names

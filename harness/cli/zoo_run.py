@@ -10,14 +10,14 @@ from plumbline.harness.cli.guard import INTERRUPTED, USAGE, check_words, fail_fo
 if TYPE_CHECKING:
     from plumbline.harness.adapter import Adapter
     from plumbline.harness.store.store import Store
-    from plumbline.harness.study.zoo.robots import Robot
+    from plumbline.harness.study.zoo.robots import ZooRobot
 
 
 ZOO = "zoo"
 """The study, and the folder that it is run into unless another is named."""
 
 
-def zoo_robots(globs: Sequence[str], agreed: bool) -> "list[Robot]":
+def zoo_robots(globs: Sequence[str], agreed: bool) -> "list[ZooRobot]":
     """The robots of the zoo that a pattern names, with their packages installed where that is agreed to.
 
     Raises: PlumblineError, of a pattern that names none, and where nothing is installed.
@@ -82,7 +82,7 @@ def run_zoo(
 
 def carried_out(
     folder: Path,
-    robots: "Sequence[Robot]",
+    robots: "Sequence[ZooRobot]",
     adapters: "Mapping[str, Adapter]",
     *,
     workers: int,

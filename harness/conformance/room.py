@@ -1,4 +1,6 @@
-"""A room of six walls, whose ranges have a closed form, and a body that flies and turns in it with sensors mounted askew."""
+"""Running a scene on an adapter; and a room of six walls, whose ranges have a closed form, in which a body flies and turns with
+sensors mounted askew.
+"""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -8,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from plumbline.harness.adapter import Adapter, Settings, Simulation
-from plumbline.harness.conformance.check import Comparison, near
-from plumbline.harness.conformance.exact import TURNED, first_hit, free, rotation, static
+from plumbline.harness.conformance.check import Compared, near
+from plumbline.harness.conformance.scenes import TURNED, first_hit, free, rotation, static
 from plumbline.harness.scene import (
     Appearance,
     Body,
@@ -165,7 +167,7 @@ def mounted(state: State) -> tuple[Floats, Floats]:
     return state.p_WB[0] + R_WB @ MOUNT["p_BS"], R_WB @ rotation(MOUNT["q_BS"])
 
 
-def worst(what: str, got: Floats, expected: Floats, within: float, because: str = "") -> Comparison:
+def worst(what: str, got: Floats, expected: Floats, within: float, because: str = "") -> Compared:
     """Is all of an array, infinities apart, near what is expected? NaN is near to nothing."""
     if got.shape != expected.shape:
         return near(what, got, expected, within)

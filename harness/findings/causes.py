@@ -1,4 +1,5 @@
-"""Failures with one cause are one finding: the cases that an engine fails on a track, by what is declared of them.
+"""Failures: by how much a trial keeps or misses its checks, and their causes. Those with one cause are one finding: the cases
+that an engine fails on a track, by what is declared of them.
 
 A cause is read off typed fields alone, the first of these that applies:
 
@@ -15,9 +16,10 @@ from dataclasses import dataclass
 from typing import Literal
 
 from plumbline.harness.findings.emulations import made
+from plumbline.harness.findings.once import once
 from plumbline.harness.findings.tables.effects import verdicts_if_described
 from plumbline.harness.findings.vendor_findings import Finding
-from plumbline.harness.store.rows import grouped, once
+from plumbline.harness.store.rows import grouped
 from plumbline.harness.store.store import Store
 
 By = Literal["effect", "finding", "emulated", "unexplained"]

@@ -1,5 +1,6 @@
-"""One trial on the plane of error and cost, and the step at which a trend of such would come down to an error that no run
-reached."""
+"""One trial on the plane of error and cost, with its timing samples and the settings that were tried beside it, and the step at
+which a trend of such would come down to an error that no run reached.
+"""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -11,7 +12,8 @@ import numpy as np
 import pandas as pd
 
 from plumbline.harness.search.front import RUNS
-from plumbline.harness.statistics.interval import Interval, ratio
+from plumbline.harness.statistics.bootstrap import ratio
+from plumbline.harness.statistics.interval import Interval
 from plumbline.harness.statistics.order import fit_order
 from plumbline.harness.store.rows import grouped, records
 from plumbline.harness.store.store import Store

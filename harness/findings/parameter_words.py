@@ -1,5 +1,6 @@
-"""Parameters in words: what tells a scene from its case as it is, and what a parameter is called where people read of it, with
-its unit, since a name like `n` says nothing outside of its case.
+"""Parameters, steps and integrators in words: what tells a scene from its case as it is, and what a parameter is called where
+people read of it, with its unit, since a name like `n` says nothing outside of its case. An engine may cut the step that it is
+asked for, and whoever reads of a step reads of that.
 """
 
 import json
@@ -7,7 +8,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from plumbline.harness.store.rows import once
+from plumbline.harness.findings.once import once
 
 if TYPE_CHECKING:
     from plumbline.harness.store.store import Store

@@ -23,10 +23,11 @@ import pandas as pd
 
 from plumbline.harness.findings.agreement.found import errors_of
 from plumbline.harness.findings.cost_point import CostPoint, Ended, SampledBlock, efforts, foreseen, samples_by_block
+from plumbline.harness.findings.once import once
 from plumbline.harness.findings.parameter_words import substeps_of, where_of
-from plumbline.harness.statistics.interval import drawn_in_groups, interval_of_drawn, medians, widening
+from plumbline.harness.statistics.bootstrap import drawn_in_groups, interval_of_drawn, medians, widening
 from plumbline.harness.statistics.pareto import on_front, price, prices_of_draws
-from plumbline.harness.store.rows import grouped, once, records
+from plumbline.harness.store.rows import grouped, records
 from plumbline.harness.store.store import Store
 from plumbline.harness.trajectory import Floats
 

@@ -12,9 +12,10 @@ from operator import attrgetter
 import numpy as np
 
 from plumbline.harness.findings.cost_point import CostPoint
+from plumbline.harness.findings.once import once
 from plumbline.harness.findings.parameter_words import step_in_words
 from plumbline.harness.findings.prices import PER_SECOND, Draws, List, interval, priced, unit_of
-from plumbline.harness.store.rows import grouped, once
+from plumbline.harness.store.rows import grouped
 from plumbline.harness.store.store import Store
 
 Side = tuple[str, str, str]

@@ -1,4 +1,5 @@
-"""Who leads: the one rule by which every table, page and sentence says which engine is farthest, cheapest or most accurate.
+"""Who leads: the one rule by which every table, page and sentence says which engine is farthest, cheapest or most accurate; and
+who does at equal sub-steps and at equal time, with the reference engine and without it.
 
 What an engine comes to is an interval, the more the better: a limit lies between what held and what broke, a cost in its error
 bar, an error within a per cent of itself. An engine leads where no other's interval lies wholly beyond its own; engines whose

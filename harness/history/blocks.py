@@ -1,4 +1,6 @@
-"""A night's work in blocks, one for each experiment and case, and what earlier nights say of each: cost, trouble, last seen."""
+"""A night's work in blocks, one for each experiment and case: what earlier nights say of each (cost, trouble, last seen), in
+which order the night goes through them, and which its budget leaves out.
+"""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import InitVar, dataclass, field, fields, replace
@@ -45,7 +47,7 @@ class Block:
 
 
 @dataclass(slots=True, kw_only=True)
-class Sight:
+class NightSight:
     """What one night did of a block, as its `night.json` keeps it; counted as the night goes on.
 
     Terms:
@@ -84,7 +86,7 @@ class Seen:
     """
 
     night: Night
-    sight: Sight
+    sight: NightSight
     of_all: float | None
     troubled: bool
     of_engine: Mapping[str, Night] = field(default_factory=dict)
@@ -115,11 +117,11 @@ def blocks_of(trials: Iterable[Trial]) -> tuple[Block, ...]:
     return tuple(Block(*key, tuple(group)) for key, group in grouped.items())
 
 
-def sights_of(night: Night) -> list[Sight]:
+def sights_of(night: Night) -> list[NightSight]:
     """What a night did, block by block. Raises: DamagedFile."""
-    known = {each.name for each in fields(Sight)}  # those of a later program are left aside
+    known = {each.name for each in fields(NightSight)}  # those of a later program are left aside
     rows = night.plan.get("blocks", ())
-    return [Sight(**{name: value for name, value in row.items() if name in known}) for row in rows]
+    return [NightSight(**{name: value for name, value in row.items() if name in known}) for row in rows]
 
 
 def last_seen(nights: Sequence[Night]) -> dict[Key, Seen]:

@@ -1,4 +1,6 @@
-"""Where a history keeps what: its own file, its nights by their stamps, its pool, the changes that somebody acknowledged."""
+"""Where a history keeps what: its own file, its nights by their stamps, its pool, the changes that somebody acknowledged; and
+its lock: two nights never meet.
+"""
 
 import fcntl
 import json

@@ -17,7 +17,7 @@ from plumbline.harness.history.folder import History, Night
 from plumbline.harness.history.identity import NEAR, Named, acknowledged, change_id, silenced
 from plumbline.harness.history.readings import Content, NightOf, said_by, table_of
 from plumbline.harness.history.series import Series, over_segments, series_of
-from plumbline.harness.history.steps import Step, exact_steps, price_steps
+from plumbline.harness.history.steps import PriceStep, exact_steps, price_steps
 from plumbline.harness.statistics.change_points import FEWEST, levelled, without_outliers
 from plumbline.harness.store.journal import DamagedFile
 
@@ -111,7 +111,7 @@ class Trends:
     root: str
     nights: tuple[NightOf, ...]
     series: tuple[Series, ...]
-    steps: tuple[Step, ...]
+    steps: tuple[PriceStep, ...]
     dated: tuple[Dated, ...]
     titles: Mapping[str, str] = field(default_factory=dict)
     unread: tuple[DamagedFile, ...] = ()
@@ -164,13 +164,13 @@ def named_by(plans: Iterable[Any]) -> list[Named]:
 
 
 def date(
-    nights: Sequence[NightOf], steps: Sequence[Step], known: Mapping[str, Named], named: Collection[Named] = ()
+    nights: Sequence[NightOf], steps: Sequence[PriceStep], known: Mapping[str, Named], named: Collection[Named] = ()
 ) -> tuple[Dated, ...]:
     """Steps as dated changes: alike ones of one night are one, the earliest first.
 
     Args: known: what was acknowledged. named: what nights have told, under whose names it goes on.
     """
-    grouped: dict[tuple[int, str], list[Step]] = {}
+    grouped: dict[tuple[int, str], list[PriceStep]] = {}
     for step in steps:
         if step.change.sense in ("worse", "better"):
             grouped.setdefault((step.night, change_id(step.change, nights[step.night].stamp)), []).append(step)
@@ -200,7 +200,7 @@ def date(
     return tuple(sorted(made, key=lambda each: (each.night, -each.first.weight, each.id)))
 
 
-def _same(other: Named, name: str, step: Step, stamps: Sequence[str], steps: Sequence[Step]) -> bool:
+def _same(other: Named, name: str, step: PriceStep, stamps: Sequence[str], steps: Sequence[PriceStep]) -> bool:
     """Is it the change of this name, or one of a price that contains it, of a night nearby or on one slope with it?"""
     if other.id == name:
         return True
@@ -210,7 +210,7 @@ def _same(other: Named, name: str, step: Step, stamps: Sequence[str], steps: Seq
     return abs(index - step.night) <= NEAR or _one_slope(step, min(index, step.night), max(index, step.night), steps)
 
 
-def _one_slope(step: Step, first: int, second: int, steps: Sequence[Step]) -> bool:
+def _one_slope(step: PriceStep, first: int, second: int, steps: Sequence[PriceStep]) -> bool:
     """Is what lies between two nights one slope, by the prices of a step, between the steps the other way beside it?"""
     if not step.members:
         return False
@@ -228,7 +228,7 @@ def _one_slope(step: Step, first: int, second: int, steps: Sequence[Step]) -> bo
     return one_drift(values, first, second)
 
 
-def _end(group: Sequence[Step], steps: Sequence[Step], nights: Sequence[NightOf]) -> tuple[int | None, State]:
+def _end(group: Sequence[PriceStep], steps: Sequence[PriceStep], nights: Sequence[NightOf]) -> tuple[int | None, State]:
     """The night on which all of the group was taken back or became another matter, if any."""
     ends = [_mended(step, steps) for step in group]
     if None not in ends:
@@ -242,7 +242,7 @@ def _end(group: Sequence[Step], steps: Sequence[Step], nights: Sequence[NightOf]
     return None, "open"
 
 
-def _mended(step: Step, steps: Sequence[Step]) -> int | None:
+def _mended(step: PriceStep, steps: Sequence[PriceStep]) -> int | None:
     """The first later night that took it back: by the same kind of change the other way; of a price, by most of its size."""
     change = step.change
     size = math.log(change.ratio) if change.kind == "price" and change.ratio else 0.0

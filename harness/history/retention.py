@@ -1,4 +1,6 @@
-"""What of a history may go: old nights, answers that no night asks for any more, trajectories that none keeps."""
+"""What a history holds, whether that is still what was written, and what of it may go: old nights, answers that no night asks
+for any more, trajectories that none keeps.
+"""
 
 import json
 import shutil
@@ -17,7 +19,7 @@ from plumbline.harness.history.folder import NIGHT, History, Night
 from plumbline.harness.history.identity import acknowledged
 from plumbline.harness.history.readings import FOLDER, of_others, versions_of
 from plumbline.harness.history.sentences import outcomes_in_short
-from plumbline.harness.run.verify import Problem, problems
+from plumbline.harness.run.verify import Unsound, problems
 from plumbline.harness.store import disk
 from plumbline.harness.store.arrays import kept_hash, read_arrays
 from plumbline.harness.store.journal import DamagedFile, StoreError, read_journal
@@ -145,35 +147,35 @@ _AGAIN = "delete it; the next night computes it again"
 _KNOWN = ("history.json", "lock", "nights", "pool", "acknowledged.jsonl", FOLDER, "report")
 
 
-def problems_of(history: History) -> Iterator[Problem]:
+def problems_of(history: History) -> Iterator[Unsound]:
     """All that is wrong with a history, file by file; it is only read. Raises: StoreError."""
     yield from _sealed(history.root / "history.json", "restore it")
     for error in (*acknowledged(history)[1], *history.unread()):
-        yield Problem(error.path, error.what, error.cure)
+        yield Unsound(error.path, error.what, error.cure)
     sound = set[tuple[int, int]]()
     yield from _pool(Pool(history.pool), sound)
     for night in history.nights():
         path = night.folder / NIGHT
         yield from _sealed(path, "restore it, or delete the night")
         if not night.whole:
-            yield Problem(path, "the night did not come to its end", "the next call goes on with it where it asks the same")
+            yield Unsound(path, "the night did not come to its end", "the next call goes on with it where it asks the same")
         yield from problems(night.folder, sound, night.plan.get("summaries", {}))
     for path in sorted(history.root.glob("*")):
         if path.name not in _KNOWN:
-            yield Problem(path, "is not of this history", "nothing needs it; delete it")
+            yield Unsound(path, "is not of this history", "nothing needs it; delete it")
 
 
-def _sealed(path: Path, cure: str) -> Iterator[Problem]:
+def _sealed(path: Path, cure: str) -> Iterator[Unsound]:
     try:
         if not path.is_file():
-            yield Problem(path, "missing", cure)
+            yield Unsound(path, "missing", cure)
         else:
             require_seal(path, disk.read(path))
     except Damaged as error:
-        yield Problem(path, str(error), cure)
+        yield Unsound(path, str(error), cure)
 
 
-def _pool(pool: Pool, sound: set[tuple[int, int]]) -> Iterator[Problem]:
+def _pool(pool: Pool, sound: set[tuple[int, int]]) -> Iterator[Unsound]:
     """Args: sound: takes in the trajectories that are; a night's own are mostly the same files under other names."""
     for path in pool.answers():
         yield from _sealed(path, _AGAIN)
@@ -182,7 +184,7 @@ def _pool(pool: Pool, sound: set[tuple[int, int]]) -> Iterator[Problem]:
         except (StoreError, ValueError, KeyError, TypeError, json.JSONDecodeError):
             continue  # its seal said so
         if answer is None or answer.trial != path.stem:
-            yield Problem(path, "is the answer to another trial than its name says", _AGAIN)
+            yield Unsound(path, "is the answer to another trial than its name says", _AGAIN)
     for path in pool.trajectories():
         try:
             require_seal(path, disk.read(path))
@@ -190,4 +192,4 @@ def _pool(pool: Pool, sound: set[tuple[int, int]]) -> Iterator[Problem]:
                 raise Damaged("its answer is not the one that its name says")
             sound.add((path.stat().st_dev, path.stat().st_ino))
         except (Damaged, KeyError) as error:
-            yield Problem(path, str(error), "delete it; its hash is kept in the journals")
+            yield Unsound(path, str(error), "delete it; its hash is kept in the journals")

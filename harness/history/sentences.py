@@ -1,4 +1,6 @@
-"""What a night has to say, in sentences: made last, for people and comments, and never read back."""
+"""What a night has to say, in sentences, made last and never read back; and its gate: it fails where a gated engine is worse,
+has no answer at all, or where too little could be judged.
+"""
 
 from collections import Counter
 from collections.abc import Collection, Iterable, Mapping, Sequence

@@ -46,6 +46,8 @@ class Allowance:
     trials: int = 200_000
 
 
+DEEPEST = 300
+"""The greatest depth that may be allowed: parsers of files, vendors' among them, call themselves at each level."""
 _NAMES = tuple(field.name for field in fields(Allowance))
 
 
@@ -57,8 +59,9 @@ def _limit(text: str, where: str) -> tuple[str, int]:
         value = float(number) if len(number) < 30 else math.nan
     except ValueError:
         value = math.nan
-    if not 1 <= value <= 1e15 or value != int(value):
-        raise AllowanceError(f"{where}: {name} is {quoted(number)}, expected a whole number from 1 to 1e15")
+    most = DEEPEST if name == "depth" else 1e15
+    if not 1 <= value <= most or value != int(value):
+        raise AllowanceError(f"{where}: {name} is {quoted(number)}, expected a whole number from 1 to {most:g}")
     return name, int(value)
 
 

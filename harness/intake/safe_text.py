@@ -52,6 +52,8 @@ def quoted(value: object, most: int = 120) -> str:
     """A value as it would stand in a file, on one line, cut to `most` characters."""
     if value is None or isinstance(value, bool):
         return {True: "true", False: "false", None: "nothing"}[value]
+    if type(value) is str and value.isprintable() and len(plain := repr(value)) <= most:
+        return plain
     short = Repr()
     short.maxstring = short.maxother = short.maxlong = most
     try:

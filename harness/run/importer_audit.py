@@ -16,7 +16,7 @@ from plumbline.harness.scene.parity.comparison import compare
 from plumbline.harness.scene.parity.difference import Difference
 from plumbline.harness.scene.parity.facts import RobotFacts
 from plumbline.harness.scene.parity.kinds import kind_of
-from plumbline.harness.scene.parity.loaded import Loaded, Request, restored, stored
+from plumbline.harness.scene.parity.loaded import Loaded, Own, Request, restored, stored
 from plumbline.harness.scene.parity.stated import audited
 from plumbline.harness.study import plugins
 
@@ -26,12 +26,13 @@ _DERIVED = ("gravity torque", "mass matrix", "acceleration")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Reading:
+class LoaderReading:
     """What one loader made of the file.
 
     Terms:
         engine, way: as in `Adapter.loaders`. stated: what the file states. source: the loader with its version, in words.
-        refused: why it made nothing; '' where it did. rows: what differs. matrix_gap: as in Loaded. notes: in words.
+        refused: why it made nothing; '' where it did. rows: what differs. own: what the loader gives that the file has no word
+        for, a row a quantity; it counts as no difference. matrix_gap: as in Loaded. notes: in words.
     """
 
     engine: str
@@ -41,6 +42,7 @@ class Reading:
     source: str = ""
     refused: str = ""
     rows: tuple[Difference, ...] = ()
+    own: tuple[Difference, ...] = ()
     matrix_gap: float | None = None
     notes: tuple[str, ...] = ()
 
@@ -50,18 +52,23 @@ class Reading:
         return f"{self.engine} {self.way}".strip()
 
     @property
+    def own_words(self) -> str:
+        """What the loader gives that the file has no word for, in words; '' for nothing."""
+        return ", ".join(f"{row.element} {_numbers(row)}".rstrip() for row in self.own)
+
+    @property
     def undocumented(self) -> tuple[Difference, ...]:
         """The rows that are no default which the engine's documentation tells."""
         return tuple(row for row in self.rows if not row.documented)
 
 
-def audit(file: Path, wishes: Wishes, tolerance: float, seed: int = 0) -> Iterator[Reading]:
+def audit(file: Path, wishes: Wishes, tolerance: float, seed: int = 0) -> Iterator[LoaderReading]:
     """One reading for each way of each engine that reads robot files. Raises: RobotError."""
     stated, root = audited(file, wishes)
     for engine in plugins.names("adapters"):
         adapter = plugins.adapter(engine)
         for way in adapter.loaders:
-            reading = Reading(engine=engine, way=way, stated=stated, root=root)
+            reading = LoaderReading(engine=engine, way=way, stated=stated, root=root)
             try:
                 loaded = loaded_apart(engine, Request(way=way, root=root, packages=wishes.packages), file)
             except Unsupported as error:
@@ -72,9 +79,23 @@ def audit(file: Path, wishes: Wishes, tolerance: float, seed: int = 0) -> Iterat
                 reading,
                 source=loaded.facts.source,
                 rows=_documented(rows, adapter.loader_defaults.get((way, file.suffix.lower()), {})),
+                own=tuple(_own(each, tolerance) for each in loaded.own if file.suffix.lower() == ".urdf"),
                 matrix_gap=loaded.matrix_gap,
                 notes=loaded.notes,
             )
+
+
+def _numbers(row: Difference) -> str:
+    values = row.value_B if isinstance(row.value_B, tuple) else (row.value_B,)
+    return f"{' or '.join(f'{value:g}' for value in values)} {'' if row.unit == '1' else row.unit}"
+
+
+def _own(given: Own, tolerance: float) -> Difference:
+    value = given.values[0] if len(given.values) == 1 else given.values
+    return Difference(
+        quantity="own value", element=given.quantity, value_A=None, value_B=value, unit=given.unit, tolerance=tolerance,
+        kind="own value", words="the file has no word for it",
+    )  # fmt: skip
 
 
 def _documented(rows: list[Difference], defaults: Mapping[str, str]) -> tuple[Difference, ...]:

@@ -23,7 +23,7 @@ from plumbline.harness.case import Case, Unit
 from plumbline.harness.case.undropped import called
 from plumbline.harness.run.interrupt import stop_if_asked
 from plumbline.harness.run.timed_processes import Team, ready_teams
-from plumbline.harness.statistics.interval import interval_of_median, with_drift
+from plumbline.harness.statistics.bootstrap import interval_of_median, with_drift
 from plumbline.harness.store.record import Record, Sample, Timing
 from plumbline.harness.study import plugins
 from plumbline.harness.study.trial import Trial

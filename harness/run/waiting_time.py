@@ -1,4 +1,5 @@
-"""A run that ends when a person has waited long enough: its ladder first, with a first look, then what refines it.
+"""A run that ends when a person has waited long enough: its ladder first, with a first look, then what refines it; and the
+progress of long work, always on standard error.
 
 `budget` is time on the clock on the wall, all of the run. What tables and pages take is kept for them. Of the rest, the ladder
 of time steps goes on until two fifths are gone, then what tells causes and what can be foreseen begins, if half is left. Then

@@ -25,15 +25,15 @@ from plumbline.harness.run.make_environment import NotMade, last_error
 from plumbline.harness.run.waiting_time import Progress
 from plumbline.harness.store import disk, zoo_record
 from plumbline.harness.store.record import Record
-from plumbline.harness.store.zoo_record import Entry
+from plumbline.harness.store.zoo_record import ZooEntry
 from plumbline.harness.study import plugins, sources, zoo
 from plumbline.harness.study.environments import root
 from plumbline.harness.study.trial import Trial
-from plumbline.harness.study.zoo.robots import Robot, at_hand
+from plumbline.harness.study.zoo.robots import ZooRobot, at_hand
 from plumbline.harness.study.zoo.taking_in import take_in, unread
 
 
-def taken_in(folder: Path, robots: Sequence[Robot], engines: Sequence[str], workers: int) -> list[Entry]:
+def taken_in(folder: Path, robots: Sequence[ZooRobot], engines: Sequence[str], workers: int) -> list[ZooEntry]:
     """An entry for each robot, in their order, kept in the folder as they come.
 
     Whose publisher could not be reached once is not asked again for the rest of a package. Raises: OSError.
@@ -43,7 +43,7 @@ def taken_in(folder: Path, robots: Sequence[Robot], engines: Sequence[str], work
     new = [robot for robot in robots if not _holds(folder, entries.get(robot.name), keys[robot.name])]
     unreached: dict[str, str] = {}
 
-    def take(robot: Robot) -> Entry:
+    def take(robot: ZooRobot) -> ZooEntry:
         if robot.package in unreached and not at_hand(robot):
             return replace(unread(robot, keys[robot.name]), reason=unreached[robot.package])
         entry = take_in(folder, robot, engines, keys[robot.name])
@@ -66,14 +66,14 @@ def taken_in(folder: Path, robots: Sequence[Robot], engines: Sequence[str], work
     return [entries[robot.name] for robot in robots]
 
 
-def _holds(folder: Path, entry: Entry | None, key: str) -> bool:
+def _holds(folder: Path, entry: ZooEntry | None, key: str) -> bool:
     """Does an entry still hold? What was not on this machine may be by now."""
     if entry is None or entry.key != key or entry.stage == "not here":
         return False
     return not entry.scene or (folder / entry.scene).is_file()
 
 
-def _keys(robots: Sequence[Robot], engines: Sequence[str]) -> Iterator[str]:
+def _keys(robots: Sequence[ZooRobot], engines: Sequence[str]) -> Iterator[str]:
     """Of each robot a digest of all that its entry rests on: what it is, the importers, the engines with their adapters."""
     modules = ["plumbline.harness.study.zoo.taking_in", "plumbline.harness.scene.importers.reading"]
     modules += [module for engine in engines if (module := plugins.module_of("adapters", engine))]

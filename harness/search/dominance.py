@@ -30,7 +30,7 @@ from plumbline.harness.case import Case
 from plumbline.harness.store.record import Record
 from plumbline.harness.study.experiment import Experiment
 from plumbline.harness.study.foreseen_cost import NoScene, scene_at, too_much
-from plumbline.harness.study.one_knob import Turn, label_of, turn_between, turned, turns
+from plumbline.harness.study.one_knob import KnobTurn, label_of, turn_between, turned, turns
 from plumbline.harness.study.trial import Trial
 
 UNDER = 2 / 3
@@ -73,7 +73,7 @@ class _Checked:
 
 
 @dataclass(frozen=True, slots=True)
-class Run:
+class RunFigures:
     """What one run gave. Terms: checks: those that could be measured, by their number. error: of the headline, nan without an
     answer. off: what the truth may be off there."""
 
@@ -83,7 +83,7 @@ class Run:
     off: float
 
 
-def run_of(question: Question, status: str, measurements: Iterable[Mapping[str, Any]]) -> Run:
+def run_of(question: Question, status: str, measurements: Iterable[Mapping[str, Any]]) -> RunFigures:
     """A run by its rows of measurements, in their order: the checks of the case come first."""
     checks: dict[int, _Checked] = {}
     error, off, answered = math.nan, 0.0, False
@@ -94,10 +94,10 @@ def run_of(question: Question, status: str, measurements: Iterable[Mapping[str, 
             checks[number] = _Checked(row["metric"], float(row["value"]), float(bound))
         if row["metric"] == question.headline and math.isnan(error):
             error, off = abs(float(row["value"])), float(row["truth_error"])
-    return Run(answered, checks, error, off)
+    return RunFigures(answered, checks, error, off)
 
 
-def run_of_record(question: Question, record: Record) -> Run:
+def run_of_record(question: Question, record: Record) -> RunFigures:
     """A run by its record."""
     return run_of(question, record.status, [asdict(measurement) for measurement in record.measurements])
 
@@ -127,7 +127,7 @@ class Comparison:
         return not self.fewer and self.ratio * ALIKE < 1.0
 
 
-def compared(question: Question, track: Run, change: Run) -> Comparison | None:
+def compared(question: Question, track: RunFigures, change: RunFigures) -> Comparison | None:
     """A change beside the track; None if the change gave no answer."""
     if not change.answered:
         return None
@@ -156,11 +156,11 @@ def _holds(value: float, bound: float, higher: bool) -> bool:
     return math.isfinite(value) and (value >= bound if higher else value <= bound)
 
 
-def _names(number: int, *runs: Run) -> set[str]:
+def _names(number: int, *runs: RunFigures) -> set[str]:
     return {run.checks[number].metric for run in runs if number in run.checks}
 
 
-def _ratio(question: Question, track: Run, change: Run, bounds: Sequence[float]) -> float:
+def _ratio(question: Question, track: RunFigures, change: RunFigures, bounds: Sequence[float]) -> float:
     """The change's error over the track's, both at least the floor; of what is better the higher, the other way round."""
     before, after = track.error, change.error
     if math.isnan(after):
@@ -188,7 +188,7 @@ PATIENT = 20.0
 
 
 @dataclass(frozen=True, slots=True)
-class _Seen:
+class _TriedChange:
     """A change with its record and how it stands beside the track. Terms: cost: over the track's, roughly; nan if unknown."""
 
     trial: Trial
@@ -240,7 +240,7 @@ def kept_parameters(experiment: Experiment, parameters: Mapping[str, Any]) -> di
     return {name: value for name, value in parameters.items() if name in experiment.parameters or name == "seed"}
 
 
-def changes_of(trial: Trial, record: Record | None, case: Case, adapter: Adapter) -> list[Turn]:
+def changes_of(trial: Trial, record: Record | None, case: Case, adapter: Adapter) -> list[KnobTurn]:
     """The turns of one knob that a track is tried with. Args: record: of the track, None where it has none yet."""
     scene = trial.scene(case)
     if features_of(scene) & ~adapter.features:
@@ -312,7 +312,7 @@ def _allowed(track: Trial, record: Record) -> float:
     return min(track.experiment.deadline, LEAST + patience * record.rough_cost * record.sim_seconds)
 
 
-def _seen(here: Sequence[Trial], records: Mapping[str, Record], case: Case) -> Iterator[_Seen]:
+def _seen(here: Sequence[Trial], records: Mapping[str, Record], case: Case) -> Iterator[_TriedChange]:
     """The changes at one set of parameters that gave an answer."""
     question = Question.of(case)
     track = next((records[trial.trial] for trial in here if trial.track == "tuned" and trial.trial in records), None)
@@ -321,7 +321,7 @@ def _seen(here: Sequence[Trial], records: Mapping[str, Record], case: Case) -> I
         if trial.track != "tuned" and record is not None and track is not None:
             beside = compared(question, run_of_record(question, track), run_of_record(question, record))
             if beside is not None:
-                yield _Seen(trial, record, beside, _cost(track, record))
+                yield _TriedChange(trial, record, beside, _cost(track, record))
 
 
 def _cost(track: Record, change: Record) -> float:
@@ -332,7 +332,7 @@ def _cost(track: Record, change: Record) -> float:
 
 def _at_drawn_parameters(group: Sequence[Trial], records: Mapping[str, Record], case: Case) -> Iterator[Trial]:
     """The track and, of each knob, the change that is most likely to win, at parameters that are drawn."""
-    chosen: dict[str, _Seen] = {}
+    chosen: dict[str, _TriedChange] = {}
     for seen in sorted((seen for seen in _seen(group, records, case) if seen.may_win), key=lambda seen: seen.rank):
         turn = turn_between(group[0].settings.plain(), seen.trial.settings.plain())
         chosen.setdefault(seen.trial.track if turn is None else turn.knob, seen)

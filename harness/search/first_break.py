@@ -91,7 +91,7 @@ over easy, which is six at least in the catalogue."""
 
 
 @dataclass(frozen=True, slots=True)
-class Point:
+class ErrorAt:
     """The largest headline error of the starts at one value of an axis, and the bar beyond which it is lost, in its unit."""
 
     value: float
@@ -99,13 +99,13 @@ class Point:
     bar: float
 
 
-def unchanged(points: Sequence[Point], easy: float, extreme: float) -> bool:
+def unchanged(points: Sequence[ErrorAt], easy: float, extreme: float) -> bool:
     """Is the error at the extreme less than twice that at the easy end? False where one of them is unknown."""
     at = {point.value: point.error for point in points}
     return easy in at and extreme in at and at[extreme] < DOUBLED * at[easy]
 
 
-def extreme_untried(points: Sequence[Point], easy: float, broke: float, extreme: float) -> bool:
+def extreme_untried(points: Sequence[ErrorAt], easy: float, broke: float, extreme: float) -> bool:
     """Has the error where an engine first broke not doubled since the easy end, with the extreme still untried?"""
     return extreme not in {point.value for point in points} and unchanged(points, easy, broke)
 
@@ -264,11 +264,11 @@ def _next_of(
     return list(remedied(sick, case, adapter, number, records[sick.trial].idle))
 
 
-def _points(trial: Trial, records: Mapping[str, Record], axis: Axis) -> Iterator[Point]:
+def _points(trial: Trial, records: Mapping[str, Record], axis: Axis) -> Iterator[ErrorAt]:
     """The headline error of a trial that has one."""
     for measurement in records[trial.trial].measurements if trial.trial in records else ():
         if measurement.metric == HEADLINE and measurement.at_most is not None:
-            yield Point(value_of(trial, axis), measurement.value, measurement.at_most)
+            yield ErrorAt(value_of(trial, axis), measurement.value, measurement.at_most)
 
 
 def _at(trial: Trial, value: float, axis: Axis, case: Case, number: int) -> Trial:

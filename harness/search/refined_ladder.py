@@ -38,7 +38,7 @@ from plumbline.harness.store.record import Record
 from plumbline.harness.store.store import Store
 from plumbline.harness.study.experiment import Refinement
 from plumbline.harness.study.foreseen_cost import too_many_steps
-from plumbline.harness.study.one_knob import Turn, differing, label_of, turned, turns
+from plumbline.harness.study.one_knob import KnobTurn, differing, label_of, turned, turns
 from plumbline.harness.study.trial import Trial, question_of
 from plumbline.harness.trajectory.parting import Extent, apart, common, extent
 
@@ -117,21 +117,21 @@ def _at(ladder: Sequence[Trial], records: Mapping[str, Record], near: float) -> 
     return min(answered, key=lambda trial: abs(trial.settings.dt - near), default=None)
 
 
-def candidates(base: Trial, target: Trial, record: Record, case: Case, adapter: Adapter) -> list[Turn]:
+def candidates(base: Trial, target: Trial, record: Record, case: Case, adapter: Adapter) -> list[KnobTurn]:
     """The turns of one setting, the likeliest first: to where the other track has it, or of a knob where there is none."""
     scene = base.scene(case)
     meant = adapter.knobs_in(scene)
     every = differing(base.settings, target.settings) or list(turns(base.settings, meant, adapter.knobs))
-    first: dict[tuple[str, object], Turn] = {}
+    first: dict[tuple[str, object], KnobTurn] = {}
     for turn in every:
         if turn.knob not in adapter.knobs or turn.knob in meant:
             first.setdefault((turn.knob, turn.value), turn)
     added = [notice.effect for notice in record.warnings if notice.kind == "surplus" and notice.effect]
 
-    def like(turn: Turn, effects: Iterable[str]) -> bool:
+    def like(turn: KnobTurn, effects: Iterable[str]) -> bool:
         return any(turn.name in effect or effect in turn.name for effect in effects)
 
-    def rank(turn: Turn) -> tuple[bool, bool, bool, bool]:
+    def rank(turn: KnobTurn) -> tuple[bool, bool, bool, bool]:
         unlike = not like(turn, added), not like(turn, (scene.effects & ~_GENERAL).names)
         return *unlike, turn.knob not in adapter.acts_on, turn.knob not in adapter.knobs
 

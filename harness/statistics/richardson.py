@@ -68,7 +68,7 @@ class Extrapolation:
 
 
 @dataclass(frozen=True, slots=True)
-class Limit:
+class ZeroStepLimit:
     """Values (t, ...) at a step of zero, the error bar up to each sample (t,), and the order that each rests on (t,), 0:
     none."""
 
@@ -133,7 +133,7 @@ def extrapolate(
     return Extrapolation(best.value, float(best.bar.max(initial=0.0)), order)
 
 
-def limit(runs: Sequence[Floats], rates: Sequence[float], round_off: Floats, size: Size) -> Limit:
+def limit(runs: Sequence[Floats], rates: Sequence[float], round_off: Floats, size: Size) -> ZeroStepLimit:
     """Each sample taken to a step of zero in the way that has the least bar up to there.
 
     Args: runs: each (t, ...), from coarse to fine, two at least. rates: steps of each a unit of time. round_off (t,): what the
@@ -144,7 +144,7 @@ def limit(runs: Sequence[Floats], rates: Sequence[float], round_off: Floats, siz
     taken = np.argmin(bars, axis=0)
     at = np.arange(len(taken))
     value = np.stack([way.value for way in ways])[taken, at]
-    return Limit(value, np.maximum.accumulate(bars[taken, at]), np.array([way.order for way in ways])[taken])
+    return ZeroStepLimit(value, np.maximum.accumulate(bars[taken, at]), np.array([way.order for way in ways])[taken])
 
 
 def observed_order(ratio: float, rates: Sequence[float]) -> float:

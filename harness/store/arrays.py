@@ -1,4 +1,6 @@
-"""Arrays on disk: npz files with a seal, read back only where it holds."""
+"""Arrays on disk: npz files with a seal, read back only where it holds. A trajectory is one with its scene and its truth,
+named by the hash of what the engine said.
+"""
 
 import hashlib
 import io

@@ -1,4 +1,6 @@
-"""What robots of a run became: scene, companion and fidelity table of each import, sealed, in a folder named by its content."""
+"""What robots of a run became: scene, companion and fidelity table of each import, sealed, in a folder named by its content;
+and what a comparison of robot files came to.
+"""
 
 import hashlib
 import json
@@ -169,7 +171,7 @@ Verdict = Literal["same", "differs", "refused"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Side:
+class ParitySide:
     """What the first file is held against.
 
     Terms:
@@ -207,7 +209,7 @@ class ParityRecord:
     root: str
     tolerance: float
     seed: int
-    sides: tuple[Side, ...]
+    sides: tuple[ParitySide, ...]
     parting: dict[str, Any] | None = None
 
 
@@ -229,5 +231,5 @@ def read(folder: Path) -> ParityRecord:
     if table.pop("schema") != SCHEMA:
         raise Damaged(f"its schema is not {SCHEMA}")
     del table["checksum"]
-    sides = (Side(**{**side, "rows": tuple(side["rows"]), "notes": tuple(side["notes"])}) for side in table.pop("sides"))
+    sides = (ParitySide(**{**side, "rows": tuple(side["rows"]), "notes": tuple(side["notes"])}) for side in table.pop("sides"))
     return ParityRecord(**table, sides=tuple(sides))

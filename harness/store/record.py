@@ -1,4 +1,6 @@
-"""A record: all that is kept of one trial, with the names of the table columns."""
+"""A record: all that is kept of one trial, with the names of the table columns, and the notices in it. What a file of the store
+says is checked against a form before anybody uses it: a right checksum makes no content right.
+"""
 
 import dataclasses
 import hashlib

@@ -1,18 +1,12 @@
 """Cases and engines in words: the rows of the listings, kept in each run folder so that it explains itself."""
 
-import json
 from dataclasses import asdict
 from typing import Any
 
-from plumbline.harness.adapter import Adapter, Settings
+from plumbline.harness.adapter import Adapter
 from plumbline.harness.adapter.features import features_of
 from plumbline.harness.case import Case
-from plumbline.harness.case.alteration import Alteration
-from plumbline.harness.store.journal import NoRun
-from plumbline.harness.store.store import Store
-from plumbline.harness.study.experiment import Experiment, experiments_of
 from plumbline.harness.study.plugins import version_of
-from plumbline.harness.study.trial import Trial
 
 
 def describe_case(case: Case) -> dict[str, Any]:
@@ -88,39 +82,3 @@ def describe_engine(engine: Adapter) -> dict[str, Any]:
         "batch": type(engine).build_batch is not Adapter.build_batch,
         "orders": dict(engine.orders),
     }
-
-
-def trial_of(store: Store, name: str) -> Trial:
-    """The trial whose name starts with `name`, with the settings that were requested and the limits that were set then.
-
-    Raises:
-        NoRun: where no trial, or more than one, has that name. StoreError: where the folder's study is not readable.
-    """
-    matching = store.trials[store.trials["trial"].str.startswith(name)]
-    if len(matching) != 1:
-        raise NoRun(f"{store.folder}: trial '{name}' names {len(matching)} trials, expected one; see plumbline show")
-    row = matching.iloc[0]
-    return Trial(
-        trial=row["trial"],
-        study=row["study"],
-        experiment=_limited(store, row["experiment"], row["case"]),
-        case=row["case"],
-        parameters=json.loads(row["parameters"]),
-        engine=row["engine"],
-        engine_version=row["engine_version"],
-        track=row["track"],
-        settings=Settings(**json.loads(row["settings"])),
-        seed=int(row["seed"]),
-        alteration=Alteration.from_plain(json.loads(row["alteration"])),
-        members=int(row["members"]),
-    )
-
-
-def _limited(store: Store, name: str, case: str) -> Experiment:
-    """An experiment that allows as much time and memory as the study of a store did, and clocks nothing.
-
-    A store that does not hold its study, or another one, leaves the limits as they are where nobody sets them.
-    """
-    asked = [experiment for experiment in experiments_of(store) if experiment.name == name]
-    asking = next((experiment for experiment in asked if experiment.asks(case)), Experiment(name=name))
-    return Experiment(name=name, timing=False, deadline=asking.deadline, memory=asking.memory)

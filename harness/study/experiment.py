@@ -1,4 +1,6 @@
-"""An experiment of a study: which cases, engines and settings it asks for, what it sweeps, limits and repeats."""
+"""An experiment of a study: which cases, engines and settings it asks for, what it sweeps, limits and repeats; and those of a
+stored study.
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace

@@ -1,4 +1,6 @@
-"""One knob at another value: which such turns there are, what settings they make and are called, and which lies between two."""
+"""One knob at another value: which such turns there are, what settings they make and are called, and which lies between two;
+and what tells the settings of one trial from those of another.
+"""
 
 import json
 from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
@@ -13,7 +15,7 @@ OPTION = "options."
 
 
 @dataclass(frozen=True, slots=True)
-class Turn:
+class KnobTurn:
     """A knob ('iterations', 'options.cone', ...) and the value that it is turned to."""
 
     knob: str
@@ -44,21 +46,21 @@ def position(settings: Settings, knob: str) -> Any:
     return getattr(settings, knob)
 
 
-def turns(settings: Settings, knobs: Iterable[str], values: Mapping[str, Sequence[Any]]) -> Iterator[Turn]:
+def turns(settings: Settings, knobs: Iterable[str], values: Mapping[str, Sequence[Any]]) -> Iterator[KnobTurn]:
     """Every turn of one of these knobs to a value at which it does not stand."""
     for knob in knobs:
-        yield from (Turn(knob, value) for value in values[knob] if value != position(settings, knob))
+        yield from (KnobTurn(knob, value) for value in values[knob] if value != position(settings, knob))
 
 
-def differing(before: Settings, after: Settings) -> list[Turn]:
+def differing(before: Settings, after: Settings) -> list[KnobTurn]:
     """Each knob in which two groups of settings differ, turned to the second; one that it leaves to the engine cannot be."""
     names = ("substeps", "iterations", "integrator", "solver", "tolerance")
     knobs = [*names, *(OPTION + name for name in dict.fromkeys([*before.options, *after.options]))]
-    turns = [Turn(knob, position(after, knob)) for knob in knobs if position(before, knob) != position(after, knob)]
+    turns = [KnobTurn(knob, position(after, knob)) for knob in knobs if position(before, knob) != position(after, knob)]
     return [turn for turn in turns if turn.value is not None]
 
 
-def turn_between(before: Mapping[str, Any], after: Mapping[str, Any]) -> Turn | None:
+def turn_between(before: Mapping[str, Any], after: Mapping[str, Any]) -> KnobTurn | None:
     """The turn that makes one group of settings of another, both as `Settings.plain`; None if they differ in no knob, or in
     more than one."""
     flat = [
@@ -67,7 +69,7 @@ def turn_between(before: Mapping[str, Any], after: Mapping[str, Any]) -> Turn | 
         for settings in (before, after)
     ]
     moved = [name for name in dict.fromkeys([*flat[0], *flat[1]]) if flat[0].get(name) != flat[1].get(name)]
-    return Turn(moved[0], flat[1].get(moved[0])) if len(moved) == 1 else None
+    return KnobTurn(moved[0], flat[1].get(moved[0])) if len(moved) == 1 else None
 
 
 def label_of(track: str, turned: Iterable[tuple[str, object]]) -> str:

@@ -112,7 +112,7 @@ class Unmeasured(ValueError):
 
 
 @dataclass(frozen=True, slots=True)
-class Solid:
+class Convex:
     """A shape in its own frame S.
 
     Terms:
@@ -144,26 +144,26 @@ _TWELVE = tuple((i, i | bit) for bit in (1, 2, 4) for i in range(8) if not i & b
 
 
 @cache
-def solid(shape: Shape) -> Solid:
+def solid(shape: Shape) -> Convex:
     """A scene's shape as a solid. Raises: Unmeasured, of a triangle mesh."""
     match shape:
         case Sphere(radius=radius):
-            return Solid(np.zeros((1, 3)), NONE, (), radius, 0.0, "sphere")
+            return Convex(np.zeros((1, 3)), NONE, (), radius, 0.0, "sphere")
         case Capsule(radius=radius, half_length=half):
-            return Solid(np.array([[0.0, 0.0, -half], [0.0, 0.0, half]]), NONE, ((0, 1),), radius, 0.0, "capsule")
+            return Convex(np.array([[0.0, 0.0, -half], [0.0, 0.0, half]]), NONE, ((0, 1),), radius, 0.0, "capsule")
         case Cylinder(radius=radius, half_length=half):
-            return Solid(np.array([[0.0, 0.0, -half], [0.0, 0.0, half]]), NONE, (), 0.0, radius, "cylinder")
+            return Convex(np.array([[0.0, 0.0, -half], [0.0, 0.0, half]]), NONE, (), 0.0, radius, "cylinder")
         case Box(half_extents=half_extents):
-            return Solid(_SIGNS * np.array(half_extents), _SIX, _TWELVE, 0.0, 0.0, "box")
+            return Convex(_SIGNS * np.array(half_extents), _SIX, _TWELVE, 0.0, 0.0, "box")
         case ConvexHull(vertices=vertices):
             return _hull(np.array(vertices))
         case Plane(normal=normal):
-            return Solid(NONE, np.array([normal]), (), 0.0, 0.0, "plane")
+            return Convex(NONE, np.array([normal]), (), 0.0, 0.0, "plane")
         case _:
             raise Unmeasured(f"a {shape.type.replace('_', ' ')} is no convex solid")
 
 
-def _hull(vertices: Floats) -> Solid:
+def _hull(vertices: Floats) -> Convex:
     from scipy.spatial import ConvexHull as Hull  # late: a listing must not pay for it
 
     hull = Hull(vertices)
@@ -177,17 +177,17 @@ def _hull(vertices: Floats) -> Solid:
             if outward[face] @ outward[other] < 1.0 - FLAT:
                 a, b = corner_of[triangle[i - 1]], corner_of[triangle[i - 2]]
                 edges.add((min(a, b), max(a, b)))
-    return Solid(corners, normals / np.linalg.norm(normals, axis=1)[:, None], tuple(sorted(edges)), 0.0, 0.0, "convex hull")
+    return Convex(corners, normals / np.linalg.norm(normals, axis=1)[:, None], tuple(sorted(edges)), 0.0, 0.0, "convex hull")
 
 
-def reach(convex: Solid) -> float:
+def reach(convex: Convex) -> float:
     """Radius [m] of the ball about the origin of S that holds the solid; infinite for a half space."""
     if len(convex.corners) == 0:
         return np.inf
     return float(np.max(np.hypot(np.linalg.norm(convex.corners, axis=1), convex.rim))) + convex.radius
 
 
-def _along(convex: Solid, corners: Floats, axis: Floats, d: Floats) -> Floats:
+def _along(convex: Convex, corners: Floats, axis: Floats, d: Floats) -> Floats:
     """The farthest that a solid goes along each direction, (t, n) m; corners (t, k, 3), axis (t, 3), d (t, n, 3) unit."""
     farthest: Floats = np.max(np.einsum("tki,tni->tnk", corners, d), axis=2) + convex.radius
     if convex.rim > 0:
@@ -196,7 +196,7 @@ def _along(convex: Solid, corners: Floats, axis: Floats, d: Floats) -> Floats:
     return farthest
 
 
-def _between(a: Solid, corners_a: Floats, corners_b: Floats, b: Solid) -> list[Floats]:
+def _between(a: Convex, corners_a: Floats, corners_b: Floats, b: Convex) -> list[Floats]:
     """Ways from the corners and edges of core a to those of core b, each (t, n, 3): where two cores apart are nearest."""
     ways = [(corners_b[:, None, :, :] - corners_a[:, :, None, :]).reshape(len(corners_a), -1, 3)]
     for points, other, edges, sign in ((corners_a, corners_b, b.edges, 1.0), (corners_b, corners_a, a.edges, -1.0)):
@@ -208,7 +208,7 @@ def _between(a: Solid, corners_a: Floats, corners_b: Floats, b: Solid) -> list[F
     return ways
 
 
-def depth(a: Solid, p_WA: Floats, q_WA: Floats, b: Solid, p_WB: Floats, q_WB: Floats) -> Floats:
+def depth(a: Convex, p_WA: Floats, q_WA: Floats, b: Convex, p_WB: Floats, q_WB: Floats) -> Floats:
     """How deep solids a and b stand in one another at each of t poses of their frames, (t,) m; negative where they are apart.
 
     Two polyhedra that are apart are told to be at least as near as they are.
@@ -236,7 +236,7 @@ def depth(a: Solid, p_WA: Floats, q_WA: Floats, b: Solid, p_WB: Floats, q_WB: Fl
     return least
 
 
-def _tried(a: Solid, b: Solid) -> int:
+def _tried(a: Convex, b: Convex) -> int:
     """How many directions are tried for two solids."""
     tried = len(a.normals) + len(b.normals) + 2 * len(a.sides) * len(b.sides) + 1
     if a.radius > 0 or b.radius > 0:
@@ -244,7 +244,7 @@ def _tried(a: Solid, b: Solid) -> int:
     return tried
 
 
-def _over_directions(a: Solid, corners_a: Floats, q_WA: Floats, b: Solid, corners_b: Floats, q_WB: Floats) -> Floats:
+def _over_directions(a: Convex, corners_a: Floats, q_WA: Floats, b: Convex, corners_b: Floats, q_WB: Floats) -> Floats:
     """The depth at each of t poses over all directions that the best one may be, (t,) m. Args: corners (t, k, 3) m, in W."""
     normals_a, normals_b = rotate(q_WA[:, None], a.normals), rotate(q_WB[:, None], b.normals)
     sides_a, sides_b = _sides(a, corners_a), _sides(b, corners_b)
@@ -262,7 +262,7 @@ def _over_directions(a: Solid, corners_a: Floats, q_WA: Floats, b: Solid, corner
     return least
 
 
-def _sides(convex: Solid, corners: Floats) -> Floats:
+def _sides(convex: Convex, corners: Floats) -> Floats:
     """The directions of a core's edges, each once, (t, m, 3) unit."""
     if not convex.sides:
         return np.zeros((len(corners), 0, 3))

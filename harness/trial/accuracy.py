@@ -20,7 +20,7 @@ from plumbline.harness.store.record import Measurement, Record, Status, StoredNo
 from plumbline.harness.study.trial import Trial
 from plumbline.harness.trajectory import Trajectory
 from plumbline.harness.trajectory.pace import Pace
-from plumbline.harness.trial.answer import Answer, answer_of
+from plumbline.harness.trial.answer import RunAnswer, answer_of
 from plumbline.harness.trial.truth_cache import bounded, truth_of
 
 _TOLD_OTHERWISE = {"experiment", "base", "settings", "alteration"}
@@ -190,7 +190,7 @@ def judged_anew(
     if actual is None:
         return None
     notices = tuple(notice for notice in earlier.warnings if notice.by == "engine")
-    answer = Answer(replace(actual, even=pace.even), earlier.broke, earlier.resolved, notices, pace, memory=earlier.memory)
+    answer = RunAnswer(replace(actual, even=pace.even), earlier.broke, earlier.resolved, notices, pace, memory=earlier.memory)
     record = _judged(trial, case, scene, answer, folder, answered)
     clocked = (notice for notice in earlier.warnings if notice.by == "rough clock")
     return replace(
@@ -206,7 +206,7 @@ def _judged(
     trial: Trial,
     case: Case,
     scene: Scene,
-    answer: Answer,
+    answer: RunAnswer,
     folder: Path | None,
     answered: Callable[[Record], object] | None = None,
 ) -> Record:

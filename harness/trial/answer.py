@@ -95,7 +95,7 @@ def cast_once(simulation: Simulation, rays: Rays) -> dict[str, Floats]:
 
 
 @dataclass(frozen=True, slots=True)
-class Answer:
+class RunAnswer:
     """What an engine made of a scene.
 
     Terms: broke: when and how it diverged, None where it did not. pace: of its steps. cpu [s]: that they took, once and from
@@ -147,7 +147,7 @@ class StepTime:
         return getattr(self._simulation, name)
 
 
-def answer_of(trial: Trial, problem: Problem, adapter: Adapter) -> Answer:
+def answer_of(trial: Trial, problem: Problem, adapter: Adapter) -> RunAnswer:
     """Build and step: what the engine of a trial makes of a problem that belongs to the trial's case.
 
     Raises: Unsupported, Unavailable, SettingsError.
@@ -162,10 +162,10 @@ def answer_of(trial: Trial, problem: Problem, adapter: Adapter) -> Answer:
             return _equivalent(trial, retelling, adapter, problem, pace)
         return _stepped(trial, problem, adapter, pace)
     except Diverged as error:
-        return Answer(Trajectory.of(np.zeros(0), len(problem.scene.bodies)), str(error), {}, (), pace)
+        return RunAnswer(Trajectory.of(np.zeros(0), len(problem.scene.bodies)), str(error), {}, (), pace)
 
 
-def _stepped(trial: Trial, problem: Problem, adapter: Adapter, pace: Pace) -> Answer:
+def _stepped(trial: Trial, problem: Problem, adapter: Adapter, pace: Pace) -> RunAnswer:
     """Raises: Diverged, outside its steps; otherwise as `answer_of`."""
     scene, batch = problem.scene, None
     step_time: StepTime | None = None
@@ -220,7 +220,7 @@ def _stepped(trial: Trial, problem: Problem, adapter: Adapter, pace: Pace) -> An
             streams, remarks = equivalent_streams(other, adapter, trial.settings, problem.duration, problem.sample_interval)
             seen, warnings = seen | streams, (*warnings, *map(StoredNotice, remarks))
     cpu = 0.0 if step_time is None else step_time.cpu
-    return Answer(replace(actual, streams={**actual.streams, **seen}), broke, resolved, warnings, pace, cpu, memory)
+    return RunAnswer(replace(actual, streams={**actual.streams, **seen}), broke, resolved, warnings, pace, cpu, memory)
 
 
 def _resident() -> float:
@@ -237,6 +237,6 @@ def _stored(warnings: tuple[str | Notice, ...]) -> tuple[StoredNotice, ...]:
     )
 
 
-def _equivalent(trial: Trial, retelling: Retelling, adapter: Adapter, problem: Problem, pace: Pace) -> Answer:
+def _equivalent(trial: Trial, retelling: Retelling, adapter: Adapter, problem: Problem, pace: Pace) -> RunAnswer:
     actual, broke = equivalent_run(retelling, adapter, trial.settings, problem.duration, problem.sample_interval)
-    return Answer(actual, broke, {}, (), pace)
+    return RunAnswer(actual, broke, {}, (), pace)

@@ -32,7 +32,7 @@ from plumbline.harness.store.record import Measurement, Record, short_of
 from plumbline.harness.study.trial import Trial
 from plumbline.harness.trajectory import Trajectory
 from plumbline.harness.trial.accuracy import judge, outcome, refusal
-from plumbline.harness.trial.answer import Answer, answer_of
+from plumbline.harness.trial.answer import RunAnswer, answer_of
 from plumbline.harness.trial.bench import Bench, rough_cost
 from plumbline.harness.trial.truth_cache import bounded, truth_of
 
@@ -59,7 +59,7 @@ class Fate:
     time: float
     beside: str
     scene: Scene
-    answer: Answer
+    answer: RunAnswer
     checked: bool
     error: "_Error | None" = None
 

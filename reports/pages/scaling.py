@@ -4,9 +4,9 @@ from collections.abc import Mapping, Sequence
 from functools import partial
 
 from plumbline.harness.findings.costs import TELLING, Cost
+from plumbline.harness.findings.once import once
 from plumbline.harness.findings.tables.scaling import COLUMNS, Scaling
 from plumbline.harness.statistics.order import FEWEST
-from plumbline.harness.store.rows import once
 from plumbline.harness.store.store import Store
 from plumbline.reports.charts.step_costs import UNITS, growths, qualities, standings
 from plumbline.reports.html.template import fill

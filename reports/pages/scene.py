@@ -24,8 +24,8 @@ from plumbline.reports.charts.work_precision import miniatures, work_precision
 from plumbline.reports.html.template import fill
 from plumbline.reports.page import Page, Rendered
 from plumbline.reports.pictures import answer_pictures
-from plumbline.reports.pictures.answer_pictures import Drawn
-from plumbline.reports.pictures.case_pictures import Sight, sight
+from plumbline.reports.pictures.answer_pictures import AnswerPicture
+from plumbline.reports.pictures.case_pictures import CaseSight, sight
 from plumbline.reports.recordings.layout import file_name
 from plumbline.reports.tables.csv import sheet
 from plumbline.reports.tables.own_scenes import by_case, shown, summary
@@ -133,10 +133,10 @@ class SceneAnswer:
     title: str
     sentences: tuple[str, ...]
     leads: str
-    picture: Drawn | None
+    picture: AnswerPicture | None
 
 
-def answers_of(store: Store, agreement: Agreement, seen: Sight) -> list[SceneAnswer]:
+def answers_of(store: Store, agreement: Agreement, seen: CaseSight) -> list[SceneAnswer]:
     """What the first screen says, in the order in which it is needed to act."""
     names = titles(store)
     runs = dict.fromkeys(side.engine for side in agreement.sides if side.word not in ("cannot", "diverged"))

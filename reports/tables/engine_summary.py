@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from plumbline.harness.findings.once import once
 from plumbline.harness.findings.standing import exactness, leaders
-from plumbline.harness.store.rows import once
 from plumbline.harness.store.store import Store
 from plumbline.reports.tables.own_scenes import by_case
 from plumbline.reports.tables.trial_results import answers, at_own_step

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from plumbline.harness.findings.causes import FAILED, CaseResult, Cause, causes
-from plumbline.harness.store.rows import once
+from plumbline.harness.findings.once import once
 from plumbline.harness.store.store import Store
 from plumbline.reports.tables.own_scenes import by_case
 from plumbline.reports.tables.verdicts import CaseVerdict, verdicts

@@ -15,9 +15,9 @@ import numpy as np
 import pandas as pd
 
 from plumbline.harness.findings.agreement.found import errors_of
+from plumbline.harness.findings.once import once
 from plumbline.harness.intake.safe_text import csv_cell
 from plumbline.harness.store.record import digest
-from plumbline.harness.store.rows import once
 from plumbline.harness.store.store import Store
 from plumbline.reports.words.catalogue import TRACK_ORDER, cases
 from plumbline.reports.words.reasons import notices, reasons

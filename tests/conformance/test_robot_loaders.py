@@ -162,3 +162,63 @@ def test_frames_without_a_mass_and_limits_of_continuous_joints_are_told_apart(tm
     assert causes("mujoco", "") == set()
     assert causes("dart", "") == {("mass", 1.0), ("lower", None)}  # those of the other joints, which it does not enforce
     assert causes("bullet", FROM_FILE) == {("mass", 1.0)}
+
+
+BOX = (
+    '<robot name="b"><link name="base"/><link name="arm"><inertial><mass value="1"/>'
+    '<inertia ixx=".01" iyy=".02" izz=".015" ixy="0" ixz="0" iyz="0"/></inertial>'
+    '<collision><geometry><box size=".1 .1 .1"/></geometry></collision></link>'
+    '<joint name="j" type="{}"><parent link="base"/><child link="arm"/><axis xyz="1 2 3"/></joint></robot>'
+)
+
+
+@pytest.mark.parametrize("engine", ["mujoco", "dart"])
+def test_a_planar_joint_is_the_same_whichever_directions_its_slides_have(engine: str, tmp_path: Path) -> None:
+    """The engine's own mass matrix is that of two slides and a hinge across them."""
+    pytest.importorskip({"dart": "dartpy"}.get(engine, engine))
+    path = tmp_path / "planar.urdf"
+    path.write_text(BOX.format("planar"))
+    loaded = loaded_here(engine, Request(), path)
+    assert [joint.name for joint in loaded.facts.joints] == ["j.x", "j.y", "j.angle"]
+    assert loaded.matrix_gap is not None
+    assert loaded.matrix_gap < DOUBLE
+    assert compare(facts_of(path, Wishes(root="fixed")), loaded.facts, DOUBLE) == []
+
+
+def test_bullet_tells_no_axes_of_a_planar_joint(tmp_path: Path) -> None:
+    pytest.importorskip("pybullet")
+    path = tmp_path / "planar.urdf"
+    path.write_text(BOX.format("planar"))
+    with pytest.raises(Unsupported, match=r"joint 'j'.*no axes of a planar joint"):
+        loaded_here("bullet", Request(), path)
+
+
+@pytest.mark.parametrize(
+    ("engine", "given"),
+    [
+        ("bullet", {"friction": 0.5, "torsional friction": 0.0, "rolling friction": 0.0, "restitution": 0.0}),
+        ("dart", {"friction": 1.0, "restitution": 0.0}),
+        ("mujoco", {"friction": 1.0, "torsional friction": 0.005, "rolling friction": 1e-4, "contact margin": 0.0}),
+    ],
+)
+def test_what_a_loader_gives_shapes_of_its_own_is_a_row_and_no_difference(
+    engine: str, given: dict[str, float], tmp_path: Path
+) -> None:
+    """The numbers are those that each vendor documents as its defaults."""
+    pytest.importorskip({"bullet": "pybullet", "dart": "dartpy"}.get(engine, engine))
+    path = tmp_path / "box.urdf"
+    path.write_text(BOX.format("continuous"))
+    own = {each.quantity: each.values for each in loaded_here(engine, Request(), path).own}
+    assert {quantity: own[quantity] for quantity in given} == {quantity: (value,) for quantity, value in given.items()}
+
+
+@pytest.mark.slow
+def test_what_loaders_give_of_their_own_is_said_and_stands_in_the_json(tmp_path: Path) -> None:
+    path = tmp_path / "box.urdf"
+    path.write_text(BOX.format("continuous"))
+    done = CliRunner().invoke(main, ["parity", str(path), "--root", "fixed"])
+    assert "of its own, where the file has no word, it gives friction 1, " in done.output
+    rows = json.loads(CliRunner().invoke(main, ["parity", str(path), "--root", "fixed", "--json"]).stdout)
+    assert ("mujoco", "own value", "friction", 1.0) in {
+        (row["loader"], row["kind"], row["element"], row["value_B"]) for row in rows if row["kind"] == "own value"
+    }

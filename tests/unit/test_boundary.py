@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from plumbline.harness.adapter.what_goes_in import DIRECTION, check_rays, check_state, check_targets, check_wrench
-from plumbline.harness.conformance.exact import free
+from plumbline.harness.conformance.scenes import free
 from plumbline.harness.scene import WORLD, Drive, Prismatic, Scene
 from plumbline.harness.trajectory import State
 

@@ -16,7 +16,7 @@ from plumbline.harness.findings.changes.words import command, sentence
 from plumbline.harness.findings.vendor_findings import shelf
 from plumbline.harness.history.folder import opened, stamp_of
 from plumbline.harness.history.identity import Named, acknowledge, change_id
-from plumbline.harness.history.night_policy import Asked
+from plumbline.harness.history.night_policy import NightWish
 from plumbline.harness.history.regressions import read_trends
 from plumbline.harness.history.retention import problems_of
 from plumbline.harness.history.sentences import unanswered_in_short, worse_in_short
@@ -37,7 +37,7 @@ def root(first_night: Path, tmp_path: Path) -> Path:
     return Path(shutil.copytree(first_night, tmp_path / "h"))
 
 
-def few() -> Asked:
+def few() -> NightWish:
     """The first experiment of the study alone: half of its answers."""
     return asked(replace(STUDY, experiments=STUDY.experiments[:1]))
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.spatial import ConvexHull as Qhull
 
-from plumbline.harness.intake.allowance import Allowance, allowing, raised
+from plumbline.harness.intake.allowance import DEEPEST, Allowance, AllowanceError, allowing, raised
 from plumbline.harness.intake.error import RobotError
 from plumbline.harness.scene import ConvexHull
 from plumbline.harness.scene.importers import mjcf as importer
@@ -373,3 +373,13 @@ def test_meshes_may_hold_more_than_scenes_and_more_bytes_allow_more_of_them(tmp_
         imported(tmp_path, urdf(arm=INERTIAL + two))
     with allowing([f"meshes={2 * size}"], "here"):
         assert len(imported(tmp_path, urdf(arm=INERTIAL + two)).scene.body("arm").collision) == 2
+
+
+def test_as_many_levels_as_may_be_allowed_are_read_and_more_may_not_be_allowed(tmp_path: Path) -> None:
+    """MuJoCo's own parser takes 500 levels; those of a file's readers are calls in each other."""
+    chain = "".join(f'<body pos="0 0 1"><joint name="k{k}" axis="0 1 0"/><geom size=".1"/>' for k in range(DEEPEST - 4))
+    text = mjcf('<geom size=".1"/>', world=chain + "</body>" * (DEEPEST - 4))
+    with allowing([f"depth={DEEPEST}"], "here"):
+        assert len(imported(tmp_path, text).scene.joints) == DEEPEST - 4
+    with pytest.raises(AllowanceError, match=f"depth is '{DEEPEST + 1}', expected a whole number from 1 to {DEEPEST}"):
+        raised([f"depth={DEEPEST + 1}"], "here")

@@ -2,6 +2,7 @@
 
 import gc
 import re
+import sys
 from itertools import pairwise
 from pathlib import Path
 
@@ -113,14 +114,16 @@ def test_an_impossible_tensor_is_refused_only_once_all_that_is_fixed_together_is
     assert imported(tmp_path, urdf(heavy, arm=impossible)).scene.body("arm").mass == 3
 
 
-def test_a_link_without_mass_between_joints_is_refused_or_weighs_what_the_user_states(tmp_path: Path) -> None:
+def test_a_link_without_mass_stands_between_two_joints_or_weighs_what_the_user_states(tmp_path: Path) -> None:
     hand = (
         f'<link name="hand">{INERTIAL}</link><joint name="k" type="continuous"><parent link="arm"/><child link="hand"/></joint>'
     )
-    with pytest.raises(
-        RobotError, match=r"line 3: <link> 'arm': link 'arm' has no mass and hangs on a joint that moves; \[massless\]"
-    ):
-        imported(tmp_path, urdf(hand, arm=""))
+    got = imported(tmp_path, urdf(hand, arm=""))
+    assert [(body.name, body.massless) for body in got.scene.bodies if body.movable] == [("arm", True), ("hand", False)]
+    assert [(joint.parent, joint.child) for joint in got.scene.joints] == [("world", "arm"), ("arm", "hand")]
+    assert [(r.name, r.becomes) for r in got.fidelity if r.element == "link" and "arm" in r.name] == [
+        ("'arm'", "a body without mass between two joints")
+    ]
     got = imported(tmp_path, urdf(hand, arm=""), Companion(massless=Massless(mass=0.01)))
     assert got.scene.body("arm").mass == 0.01
     stated = row(got, "link without mass")
@@ -128,6 +131,19 @@ def test_a_link_without_mass_between_joints_is_refused_or_weighs_what_the_user_s
     assert stated.value == pytest.approx(4e-7 / 0.03, rel=1e-9)
     frame = '<link name="frame"/><joint name="f" type="fixed"><parent link="arm"/><child link="frame"/></joint>'
     assert imported(tmp_path, urdf(frame)).links["frame"] == "arm"
+
+
+@pytest.mark.parametrize("hands", [0, 2])
+def test_a_link_without_mass_that_ends_or_forks_is_refused(tmp_path: Path, hands: int) -> None:
+    after = "".join(
+        f'<link name="h{k}">{INERTIAL}</link>'
+        f'<joint name="k{k}" type="continuous"><parent link="arm"/><child link="h{k}"/></joint>'
+        for k in range(hands)
+    )
+    with pytest.raises(
+        RobotError, match=r"line 3: <link> 'arm': link 'arm' has no mass and hangs on a joint that moves; \[massless\]"
+    ):
+        imported(tmp_path, urdf(after, arm=""))
 
 
 def test_a_start_outside_the_range_is_said_and_the_middle_is_offered(tmp_path: Path) -> None:
@@ -440,3 +456,33 @@ def test_no_hull_is_made_for_a_shape_that_has_a_name_in_a_scene(tmp_path: Path) 
     got = imported(tmp_path, urdf(arm=INERTIAL + shapes)).scene.body("arm").collision
     assert not any(isinstance(placed.shape, ConvexHull) for placed in got)
     assert got[2].shape.half_length == 1  # type: ignore[union-attr]
+
+
+def test_a_chain_twice_as_long_takes_twice_the_calls(tmp_path: Path) -> None:
+    """What is done for a link does not grow with the links before it; 20 000 in a row are a scene."""
+
+    def calls(links: int) -> int:
+        text = urdf(
+            *(
+                f'<link name="l{k}">{INERTIAL}</link><joint name="k{k}" type="continuous"><axis xyz="0 1 0"/>'
+                f'<origin xyz="0 0 1"/><parent link="{f"l{k - 1}" if k else "arm"}"/><child link="l{k}"/></joint>'
+                for k in range(links)
+            )
+        )
+        count = 0
+
+        def counted(_frame: object, event: str, _argument: object) -> None:
+            nonlocal count
+            count += event in ("call", "c_call")
+
+        sys.setprofile(counted)
+        try:
+            got = imported(tmp_path, text)
+        finally:
+            sys.setprofile(None)
+        assert len(got.scene.joints) == links + 1
+        return count
+
+    calls(1)  # what is loaded on first use
+    few, twice, four = (calls(links) for links in (200, 400, 800))
+    assert four - twice == pytest.approx(2 * (twice - few), rel=0.05)

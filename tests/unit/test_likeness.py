@@ -12,8 +12,8 @@ from plumbline.harness.findings.changes.answers import Likeness, likeness
 from plumbline.harness.store.record import Measurement, Record
 from plumbline.harness.store.store import Store
 from plumbline.harness.study import plugins
-from plumbline.harness.study.catalogue import trial_of
 from plumbline.harness.study.foreseen_cost import scene_at
+from plumbline.harness.study.reproduce import trial_of
 from plumbline.harness.trial.accuracy import outcome
 from tests.run_folder import write_run_folder
 

@@ -15,7 +15,7 @@ from plumbline.harness.metric import Metric, NotMeasurable
 from plumbline.harness.metrics.errors import divergence
 from plumbline.harness.scene import Body, Effect, PlacedShape, Scene, Sphere
 from plumbline.harness.search.first_break import (
-    Point,
+    ErrorAt,
     Ruler,
     bracket,
     extreme_untried,
@@ -351,21 +351,21 @@ def test_what_broke_is_named_by_the_headline_and_the_own_checks_are_said_beside(
     assert {one.metric: one.value for one in broken.measurements}[BROKE_BY + "made"] == 1.0
 
 
-CONSTANT = (Point(1.0, 0.167, 0.3), Point(8.0, 0.31, 0.3), Point(1e6, 0.333, 0.3))
+CONSTANT = (ErrorAt(1.0, 0.167, 0.3), ErrorAt(8.0, 0.31, 0.3), ErrorAt(1e6, 0.333, 0.3))
 """MuJoCo's head-on pairs along their mass ratio: 0.333 r/(1 + r), which cannot double from r = 1 on."""
 
 
 def test_an_error_that_has_not_doubled_is_a_constant_and_one_that_has_is_a_matter_of_the_axis() -> None:
     assert unchanged(CONSTANT, 1.0, 1e6)
-    assert not unchanged((*CONSTANT[:2], Point(1e6, 0.34, 0.3)), 1.0, 1e6)
+    assert not unchanged((*CONSTANT[:2], ErrorAt(1e6, 0.34, 0.3)), 1.0, 1e6)
     assert not unchanged(CONSTANT[:2], 1.0, 1e6), "the extreme is unknown"
-    assert not unchanged((Point(1.0, 0.0, 0.3), CONSTANT[2]), 1.0, 1e6), "nothing at the easy end"
+    assert not unchanged((ErrorAt(1.0, 0.0, 0.3), CONSTANT[2]), 1.0, 1e6), "nothing at the easy end"
 
 
 def test_the_extreme_is_tried_where_the_first_value_that_broke_errs_hardly_more_than_the_easy_end() -> None:
     assert extreme_untried(CONSTANT[:2], 1.0, 8.0, 1e6)
     assert not extreme_untried(CONSTANT, 1.0, 8.0, 1e6)
-    assert not extreme_untried((Point(1.0, 0.1, 0.3), CONSTANT[1]), 1.0, 8.0, 1e6)
+    assert not extreme_untried((ErrorAt(1.0, 0.1, 0.3), CONSTANT[1]), 1.0, 8.0, 1e6)
     assert not extreme_untried((), 1.0, 8.0, 1e6), "no axis is about an error"
 
 

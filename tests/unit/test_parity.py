@@ -17,6 +17,7 @@ from plumbline.harness.scene.parity.facts import RobotFacts
 from plumbline.harness.scene.parity.motion import Configuration, dynamics, passive
 from plumbline.harness.scene.parity.stated import facts_of, pair_of
 from tests.passive_motion import after
+from tests.robot_files import mjcf
 from tests.two_formats import MJCF, URDF
 
 pytestmark = pytest.mark.usefixtures("mjcf_here")
@@ -186,3 +187,25 @@ def test_the_command_tells_and_gates(tmp_path: Path) -> None:
     names.write_text('[joints]\nelbow = "hip"\n')
     assert run(main, ["parity", str(tmp_path / "a.urdf"), str(tmp_path / "c.xml"), "--map", str(names)]).exit_code == 2
     assert run(main, ["parity", str(tmp_path / "a.urdf"), str(tmp_path / "none.xml")]).exit_code != 0
+
+
+PLANAR = (
+    '<joint name="x" type="slide" axis="{} {} 0" damping="{}"/><joint name="y" type="slide" axis="{} {} 0" damping="2"/>'
+    '<joint name="a" axis="0 0 1"/><geom type="box" size=".1 .2 .3" pos=".3 0 0"/>'
+)
+
+
+def test_the_slides_of_a_planar_joint_may_point_anywhere_in_its_plane_if_they_are_resisted_alike(tmp_path: Path) -> None:
+    c, s = np.cos(0.5), np.sin(0.5)
+    texts = {
+        "straight.xml": PLANAR.format(1, 0, 2, 0, 1),
+        "turned.xml": PLANAR.format(c, s, 2, -s, c),
+        "uneven.xml": PLANAR.format(c, s, 3, -s, c),
+    }
+    for name, text in texts.items():
+        (tmp_path / name).write_text(mjcf(text))
+    straight, turned, uneven = (facts_of(tmp_path / name, Wishes()) for name in texts)
+    assert compare(straight, turned) == []
+    assert {("axis", "x"), ("axis", "y"), ("damping", "x")} <= {
+        (row.quantity, row.element) for row in compare(straight, uneven)
+    }

@@ -6,7 +6,7 @@ import pytest
 
 from plumbline.harness.store.journal import StoreError
 from plumbline.harness.store.store import Store
-from plumbline.harness.study.catalogue import trial_of
+from plumbline.harness.study.reproduce import trial_of
 from tests.run_folder import write_run_folder
 
 STUDY = """name = "quick"

@@ -8,8 +8,10 @@ import numpy as np
 import pytest
 
 wp = pytest.importorskip("warp", reason="installed when it is asked for")
+wp.config.enable_backward = False
 newton = pytest.importorskip("newton", reason="installed when it is asked for")
-pytestmark = pytest.mark.newton
+# On a new machine kernels are compiled here, one for minutes.
+pytestmark = [pytest.mark.newton, pytest.mark.timeout(1800)]
 
 G = 9.81
 
@@ -202,3 +204,11 @@ def test_a_ray_of_single_precision_meets_a_sphere_some_micrometres_off() -> None
     off = np.abs(distance.numpy() - exact)
     assert off.max() < 1e-4
     assert off.max() > 1e-6
+
+
+def test_buffers_that_are_too_small_are_told_in_overflow_alone() -> None:
+    """Four points for which there is room for two: the step goes on without a word."""
+    for room, told in ((16, False), (2, True)):
+        solver = mujoco(model := box_on_plane(0.5, 0.5, 0.0), nconmax=room, njmax=64)
+        run(model, solver, 4, 1 / 240)
+        assert bool(solver.mjw_data.overflow.numpy().any()) == told

@@ -14,10 +14,11 @@ import numpy as np
 
 from plumbline.harness.findings.agreement.judgement import judged
 from plumbline.harness.findings.agreement.values import Agreement, Side
+from plumbline.harness.findings.once import once
 from plumbline.harness.scene import Effect, Scene
 from plumbline.harness.scene.file import parse
 from plumbline.harness.search.own_limits import ANSWERED, ROUNDING, granted_of, own_limit, rungs_of
-from plumbline.harness.store.rows import grouped, once
+from plumbline.harness.store.rows import grouped
 from plumbline.harness.store.store import Store
 from plumbline.harness.trajectory import Floats
 from plumbline.harness.trajectory.parting import NOTHING, apart, common, extent

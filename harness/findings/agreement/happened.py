@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 from plumbline.harness.findings.agreement.values import Agreement, Side, Word
 from plumbline.harness.findings.agreement.words import angle_words, called, distance_words, length, listed, up_to
+from plumbline.harness.findings.once import once
 from plumbline.harness.scene import Scene
 from plumbline.harness.scene.file import parse
-from plumbline.harness.store.rows import once
 from plumbline.harness.store.store import Store
 from plumbline.harness.trajectory import Trajectory
 from plumbline.harness.trajectory.events import ANGLES, MOVED, Event, Kind, Touched, happened, size_of

@@ -1,4 +1,6 @@
-"""Two run folders side by side: what of the second differs from the first."""
+"""Two run folders side by side: what of the second differs from the first, and what its answers came about by: versions,
+sources, settings, the machine, which trials there are, and what was warned of.
+"""
 
 import json
 from collections import Counter

@@ -27,7 +27,7 @@ import numpy as np
 
 from plumbline.harness.findings.changes.matching import TrialPair, located
 from plumbline.harness.findings.changes.values import Beside, Change, Sense
-from plumbline.harness.statistics.interval import interval_of_drawn
+from plumbline.harness.statistics.bootstrap import interval_of_drawn
 from plumbline.harness.statistics.student import percentile
 from plumbline.harness.store.rows import grouped
 from plumbline.harness.store.store import Store

@@ -1,4 +1,5 @@
-"""What would decide between engines: the case and engine of which a built-in study, run further, can move the answer most.
+"""What would decide between engines, and what would turn the answer: another weight of a criterion or of a family of cases, one
+case less, or the case and engine of which a built-in study, run further, can move it most.
 
 Speeds are read off the steps that were run. `accuracy` runs a case's ladder: at its largest step an engine that errs less than
 asked may be faster by as much as that step is larger; one that errs more comes down to the error asked for at a smaller step,
@@ -146,7 +147,7 @@ TIMES = 2.0
 
 
 @dataclass(frozen=True, kw_only=True)
-class Turn:
+class WhatTurns:
     """What would put another engine first. kind: 'criterion' or 'family', weighed double; 'case', left out. name: of it. first:
     who leads then."""
 
@@ -160,22 +161,22 @@ def _leader(evidence: Evidence, wish: Wish) -> str:
     return max(found, key=lambda engine: found[engine])
 
 
-def turns(evidence: Evidence, wish: Wish) -> tuple[Turn, ...]:
+def turns(evidence: Evidence, wish: Wish) -> tuple[WhatTurns, ...]:
     """Each change that by itself turns the leader."""
     return tuple(_turns(evidence, wish)) if len(evidence.engines) > 1 else ()
 
 
-def _turns(evidence: Evidence, wish: Wish) -> Iterator[Turn]:
+def _turns(evidence: Evidence, wish: Wish) -> Iterator[WhatTurns]:
     today = _leader(evidence, wish)
     for criterion in CRITERIA:
         heavier = replace(wish, weights={**wish.weights, criterion: TIMES * wish.weight(criterion)})
         if (then := _leader(evidence, heavier)) != today:
-            yield Turn(kind="criterion", name=criterion, first=then)
+            yield WhatTurns(kind="criterion", name=criterion, first=then)
     for family in dict.fromkeys(evidence.families[case] for case in evidence.cases):
         cases = {case: weight * (TIMES if evidence.families[case] == family else 1) for case, weight in evidence.cases.items()}
         if (then := _leader(replace(evidence, cases=cases), wish)) != today:
-            yield Turn(kind="family", name=family, first=then)
+            yield WhatTurns(kind="family", name=family, first=then)
     for case in evidence.cases if len(evidence.cases) > 1 else ():
         fewer = {name: weight for name, weight in evidence.cases.items() if name != case}
         if (then := _leader(replace(evidence, cases=fewer), wish)) != today:
-            yield Turn(kind="case", name=case, first=then)
+            yield WhatTurns(kind="case", name=case, first=then)

@@ -16,6 +16,7 @@ from typing import Any, TypeVar
 
 from plumbline.harness.findings.agreement.found import AGREED_TRUTH
 from plumbline.harness.findings.limits_found import CONSTANT, searches_if_described
+from plumbline.harness.findings.once import once
 from plumbline.harness.findings.parameter_words import substeps_of, substeps_taken
 from plumbline.harness.findings.prices import number, priced
 from plumbline.harness.findings.selection.wish import Wish
@@ -23,7 +24,7 @@ from plumbline.harness.findings.speed import BEYOND, Side, Speed, speeds
 from plumbline.harness.findings.tables.agreement import TABLE as AGREEMENT
 from plumbline.harness.findings.tables.determinism import repetitions
 from plumbline.harness.metric.titles import metric_title
-from plumbline.harness.store.rows import grouped, once, records
+from plumbline.harness.store.rows import grouped, records
 from plumbline.harness.store.store import Store
 
 DECADES_OF_ERROR, DECADES_OF_SPEED = math.log10(BEYOND), 2.0

@@ -1,4 +1,6 @@
-"""What a user wants of an engine: weights of criteria and of cases, and requirements that leave engines out."""
+"""What a user wants of an engine: weights of criteria and of cases, and requirements that leave engines out. Wishes for a
+purpose are presets, TOML files that say which cases count and why; users write their own.
+"""
 
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence

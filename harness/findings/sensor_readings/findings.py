@@ -12,6 +12,7 @@ from typing import Any
 import pandas as pd
 
 from plumbline.harness.findings.columns import known
+from plumbline.harness.findings.once import once
 from plumbline.harness.findings.parameter_words import where_of
 from plumbline.harness.findings.sensor_readings.channel import RAYS, Channel, channels, rays_of
 from plumbline.harness.findings.sensor_readings.depth import depth_levels, depth_noise, range_histogram, ranging_noise
@@ -29,7 +30,6 @@ from plumbline.harness.findings.sensor_readings.noise import SILENT, Noise, Nois
 from plumbline.harness.scene import Lidar, Scene
 from plumbline.harness.scene.file import parse
 from plumbline.harness.store.journal import StoreError
-from plumbline.harness.store.rows import once
 from plumbline.harness.store.store import Store
 
 MEASURES: Mapping[str, tuple[Callable[[Channel], Noise | None], Callable[[Channel], NoiseCurve | None]]] = {

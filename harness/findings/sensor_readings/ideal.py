@@ -25,11 +25,11 @@ from numpy.typing import NDArray
 
 from plumbline.harness.findings.agreement.found import agreements
 from plumbline.harness.findings.agreement.values import Agreement
+from plumbline.harness.findings.once import once
 from plumbline.harness.findings.sensor_readings.channel import Channel
 from plumbline.harness.metric.series import maximum, root_mean_square
 from plumbline.harness.scene import WORLD, Effect, Imu, Scene
 from plumbline.harness.statistics.richardson import extrapolate
-from plumbline.harness.store.rows import once
 from plumbline.harness.store.store import Store
 from plumbline.harness.trajectory import Floats
 from plumbline.harness.trajectory.kinematics import product, rotate, rotate_back

@@ -17,8 +17,8 @@ from typing import Any
 import numpy as np
 
 from plumbline.harness.findings.columns import Column, Row, Table, names, outcome, side
+from plumbline.harness.findings.once import all_once
 from plumbline.harness.store.journal import NotKept
-from plumbline.harness.store.rows import all_once
 from plumbline.harness.store.store import Store
 from plumbline.harness.trajectory import Floats
 

@@ -15,13 +15,14 @@ import pandas as pd
 
 from plumbline.harness.findings.columns import Column, Row, Table, names, scene
 from plumbline.harness.findings.cost_point import BlockSample, SampledBlock, ratio_in_blocks, samples_by_block
+from plumbline.harness.findings.once import once
 from plumbline.harness.findings.parameter_words import in_words, other_values, where_of
 from plumbline.harness.search.dominance import ANSWERED, MAYBE, UNDER, Comparison, Question, compared, kept_parameters, run_of
 from plumbline.harness.statistics.interval import Interval
-from plumbline.harness.store.rows import grouped, once, records
+from plumbline.harness.store.rows import grouped, records
 from plumbline.harness.store.store import Store
 from plumbline.harness.study.experiment import experiments_of
-from plumbline.harness.study.one_knob import OPTION, Turn, turn_between
+from plumbline.harness.study.one_knob import OPTION, KnobTurn, turn_between
 
 DOMINATED, EXCUSED = "dominated", "excused"
 """The verdicts of a change that beats the track, without and with a reason of the adapter's."""
@@ -128,7 +129,7 @@ def _of_scene(store: Store, scene: Sequence[Row], samples: Sampled) -> list[Trie
         for row in tried
     }
     single = [_judged(row, blank, turns[row["trial"]], beside, scene, given, track, engine["trade_offs"]) for row in tried]
-    idle = [replace(blank, change=str(Turn(*turn)), verdict=IDLE) for turn in store.idle.get(track["trial"], ())]
+    idle = [replace(blank, change=str(KnobTurn(*turn)), verdict=IDLE) for turn in store.idle.get(track["trial"], ())]
     used = {change.reason for change in single if change.verdict == EXCUSED}
     stale = [
         replace(blank, change=one["knob"].removeprefix(OPTION) or "default", count=0, verdict=STALE, reason=one["why"])
@@ -164,7 +165,7 @@ def _rough(track: Row, row: Row) -> float:
 def _judged(
     row: Row,
     blank: TriedChange,
-    turn: Turn | None,
+    turn: KnobTurn | None,
     beside: Mapping[str, _Beside],
     scene: Sequence[Row],
     given: Mapping[str, Any],
@@ -212,7 +213,7 @@ def _told(row: Row, there: _Beside, given: Mapping[str, Any]) -> str:
     return f"{in_words(other_values(json.loads(row['parameters']), given))} {fared}"
 
 
-def _names(trade_off: Mapping[str, Any], turn: Turn | None) -> bool:
+def _names(trade_off: Mapping[str, Any], turn: KnobTurn | None) -> bool:
     if turn is None:
         return not trade_off["knob"] and list(trade_off["at"]) != ["ladder"]
     return trade_off["knob"] == turn.knob and (not trade_off["values"] or turn.value in trade_off["values"])

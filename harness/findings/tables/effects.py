@@ -20,10 +20,10 @@ from plumbline.harness.findings.effects_audit import (
     savings,
     scenes_of,
 )
+from plumbline.harness.findings.once import all_once
 from plumbline.harness.findings.parameter_words import differing, in_words
 from plumbline.harness.search.needless_effects import Consequence, Scale, departure, matters, scale_in, weighed
 from plumbline.harness.statistics.interval import Interval
-from plumbline.harness.store.rows import all_once
 from plumbline.harness.store.store import Store
 
 

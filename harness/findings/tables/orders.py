@@ -16,9 +16,10 @@ from typing import Any, Literal
 import pandas as pd
 
 from plumbline.harness.findings.columns import Cell, Column, Table, plain
+from plumbline.harness.findings.once import all_once
 from plumbline.harness.findings.parameter_words import in_words, integrator_called, other_values
 from plumbline.harness.statistics.order import Order, falls_short, fit_order
-from plumbline.harness.store.rows import all_once, grouped
+from plumbline.harness.store.rows import grouped
 from plumbline.harness.store.store import Store
 
 OrderVerdict = Literal["kept", "broken", "exact", "open", "none"]

@@ -19,11 +19,11 @@ import numpy as np
 from plumbline.harness.findings.agreement.found import agreements
 from plumbline.harness.findings.agreement.values import Agreement
 from plumbline.harness.findings.columns import Column, Table, plain
+from plumbline.harness.findings.once import once
 from plumbline.harness.intake.safe_text import quoted
 from plumbline.harness.scene import Prismatic, Revolute, Scene
 from plumbline.harness.store.imported_scenes import states_of
 from plumbline.harness.store.journal import StoreError
-from plumbline.harness.store.rows import once
 from plumbline.harness.store.store import Store
 from plumbline.harness.trajectory import Floats
 from plumbline.harness.trajectory.carried_inertia import carried

@@ -12,11 +12,12 @@ from operator import attrgetter, itemgetter
 from typing import Any, Literal
 
 from plumbline.harness.findings.columns import Cell, Column, Table, spread
+from plumbline.harness.findings.once import once
 from plumbline.harness.findings.parameter_words import differing, said
 from plumbline.harness.metrics.equivalence import world_spread
 from plumbline.harness.statistics.interval import Interval
 from plumbline.harness.store.record import short_of
-from plumbline.harness.store.rows import grouped, once, records
+from plumbline.harness.store.rows import grouped, records
 from plumbline.harness.store.store import Store
 
 WORLDS = "worlds"

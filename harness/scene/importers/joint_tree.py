@@ -32,7 +32,7 @@ from plumbline.harness.scene.importers.materials import Laws
 from plumbline.harness.scene.importers.merging import Group, check_inertia
 from plumbline.harness.scene.importers.poses import Array, Pose, pose, quaternion, vector
 from plumbline.harness.scene.importers.robot import Closure, Coordinate, Cord, Geometry, Robot, symmetric
-from plumbline.harness.scene.importers.stand_ins import StandIns, stand_ins
+from plumbline.harness.scene.importers.stand_ins import StandIns, between_joints, stand_ins
 from plumbline.harness.scene.importers.ties import coupled
 
 
@@ -74,6 +74,7 @@ def tree_of(robot: Robot, groups: Mapping[str, Group], at: Posed, laws: Laws, co
     called: dict[str, str] = {}
     above: dict[str, Chain | None] = {}
     body_names, joint_names = _Names(), _Names()
+    weightless = between_joints(groups)
     for lead, group in groups.items():
         X = at.pose[lead]
         if group.still:
@@ -99,9 +100,15 @@ def tree_of(robot: Robot, groups: Mapping[str, Group], at: Posed, laws: Laws, co
             joints.append(_joint(line, parent, extra.name, joint_names, robot))
             called[line.coordinate.name] = joints[-1].name
             parent = extra.name
-        body, stated = _body(group, X, at, laws.material[lead], companion.massless, body_names)
+        if lead in weightless and companion.massless is None:
+            twist = at.twist[lead]
+            body = Body.between(
+                body_names.fresh(lead), vector(X.p), q_WB=quaternion(X.R), v_WB=vector(twist.at(X.p)), w_WB=vector(twist.w)
+            )
+        else:
+            body, stated = _body(group, X, at, laws.material[lead], companion.massless, body_names)
+            massive.append(_massive(body, chain, stated))
         bodies.append(body)
-        massive.append(_massive(body, chain, stated))
         held[lead] = body.name
         if not free:
             joints.append(_joint(lines[-1], parent, body.name, joint_names, robot))

@@ -308,7 +308,9 @@ def _counted(robot: Robot, made: _Made) -> list[Fidelity]:
     rows = []
     if len(links) > len(merged):
         alone = [name for name in links if name not in set(merged) and (name != WORLD or made.groups[name].geometries)]
-        rows += Fidelity.exact("link", alone, "body")
+        weightless = {body.name for body in made.tree.bodies if body.massless}
+        for becomes, without in (("body", False), ("a body without mass between two joints", True)):
+            rows += Fidelity.exact("link", [name for name in alone if (made.tree.body[name] in weightless) == without], becomes)
     rows += Fidelity.exact("link", merged, "merged with what it is fixed to")
     rows += Fidelity.exact("joint", joints, "joint")
     return rows

@@ -15,6 +15,7 @@ from plumbline.harness.scene.importers.fidelity import Fidelity
 from plumbline.harness.scene.importers.robot import Coordinate, Link, Need, Robot, Servo
 
 NONE: Mapping[str, Samples] = MappingProxyType({})
+_NO_WISH = JointWish()
 
 
 def valid_name(given: Iterable[str], valid: Iterable[str], what: str, source: str) -> None:
@@ -155,7 +156,7 @@ def settled(robot: Robot, companion: Companion, commands: Mapping[str, Samples] 
 def _coordinate(c: Coordinate, companion: Companion, samples: Samples | None, rows: list[Fidelity]) -> Coordinate:
     if c.kind not in ("revolute", "prismatic"):
         return c
-    wish = companion.joints.get(c.name, JointWish())
+    wish = companion.joints.get(c.name, _NO_WISH)
     if wish.limits == "none":
         c = replace(c, lower=None, upper=None, needs_range=False)
     elif wish.limits is not None:

@@ -1,18 +1,20 @@
-"""What stands between the joints of one link: a share of the link's own mass, at a point that no later joint moves in it.
+"""What stands between two joints: a link of the file without mass, or a share of the mass of a link that has several joints.
 
-A scene has one joint between two bodies, and no body without mass. Where the axes of all later joints of a link meet in a
+A scene has one joint between two bodies. Where the axes of all later joints of a link meet in a
 point, that point is fixed in the link and in what stands before it, so that a part of the link's mass which lies there moves
 alike whether it belongs to the one or the other: nothing changes but by the moment of inertia that a body has to have.
 """
 
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from plumbline.harness.scene.importers.kinematics import Line
+from plumbline.harness.scene.importers.merging import Group
 from plumbline.harness.scene.importers.poses import Array, Pose
-from plumbline.harness.scene.importers.robot import Solid
+from plumbline.harness.scene.importers.robot import Coordinate, Solid
 
 SHARE = 0.01
 """Of the link's mass that all that stands before it takes together; a tenth of that, again and again, where the rest would have
@@ -89,3 +91,21 @@ def _of_point(r: Array) -> Array:
     """The inertia of 1 kg at a place r [m]."""
     tensor: Array = float(r @ r) * np.eye(3) - np.outer(r, r)
     return tensor
+
+
+def between_joints(groups: Mapping[str, Group]) -> frozenset[str]:
+    """The leads of groups without mass and shapes that hang on joints with one coordinate each and carry one such group."""
+    single = {
+        lead for lead, group in groups.items() if group.lead.coordinates and all(map(_turns_or_slides, group.lead.coordinates))
+    }
+    carried = Counter(group.parent for group in groups.values())
+    carries = {group.parent for lead, group in groups.items() if lead in single}
+    return frozenset(
+        lead
+        for lead in single & carries
+        if carried[lead] == 1 and groups[lead].solid is None and not groups[lead].geometries and not groups[lead].drawn
+    )
+
+
+def _turns_or_slides(c: Coordinate) -> bool:
+    return c.kind in ("revolute", "prismatic")

@@ -11,7 +11,7 @@ from types import MappingProxyType
 
 from plumbline.harness.intake.near_miss import did_you_mean, misspelt
 from plumbline.harness.intake.safe_text import quoted, readable
-from plumbline.harness.intake.typed_fields import wrong_size
+from plumbline.harness.intake.typed_fields import LARGEST, wrong_size
 from plumbline.harness.scene.importers.xml_text import Element
 
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
@@ -135,10 +135,11 @@ def numbers(element: Element, name: str, counts: tuple[int, ...] = (1,)) -> tupl
         values = tuple(map(float, words)) if len(text) < 400 and "_" not in text else (math.nan,)
     except ValueError:
         values = (math.nan,)
-    if not all(map(math.isfinite, values)):
-        raise element.refuse(f"{name} is {quoted(text)}, expected finite number{several}")
-    if wrong := next(filter(None, map(wrong_size, values)), ""):
-        raise element.refuse(f"{name} is {quoted(text)}, {wrong}")
+    if not sum(map(abs, values)) <= LARGEST:  # nor where one is no number
+        if not all(map(math.isfinite, values)):
+            raise element.refuse(f"{name} is {quoted(text)}, expected finite number{several}")
+        if wrong := next(filter(None, map(wrong_size, values)), ""):
+            raise element.refuse(f"{name} is {quoted(text)}, {wrong}")
     return values
 
 
@@ -174,10 +175,11 @@ def _passed_over(word: str, words: Iterable[str], strict: bool) -> bool:
 
 def _checked(element: Element, left: Left, strict: bool) -> Element:
     _check_attributes(element, left, strict)
-    shapes = [child.tag for child in element.children if child.tag not in FOREIGN or child.tag in ("capsule", "cdf")]
-    if element.tag == "geometry" and (len(shapes) != 1 or shapes[0] not in GEOMETRIES):
-        got = ", ".join(f"<{tag}>" for tag in shapes[:4]) or "nothing"
-        raise element.refuse(f"holds {quoted(got)[1:-1]}, expected one of {', '.join(GEOMETRIES)}")
+    if element.tag == "geometry":
+        shapes = [child.tag for child in element.children if child.tag not in FOREIGN or child.tag in ("capsule", "cdf")]
+        if len(shapes) != 1 or shapes[0] not in GEOMETRIES:
+            got = ", ".join(f"<{tag}>" for tag in shapes[:4]) or "nothing"
+            raise element.refuse(f"holds {quoted(got)[1:-1]}, expected one of {', '.join(GEOMETRIES)}")
     kept = []
     known = _CHILDREN.get(element.tag, ())
     for child in element.children:

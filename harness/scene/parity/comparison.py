@@ -20,6 +20,7 @@ from plumbline.harness.scene.parity.drives import drive_rows
 from plumbline.harness.scene.parity.facts import JointFacts, MassFacts, RobotFacts
 from plumbline.harness.scene.parity.laws import rows_of
 from plumbline.harness.scene.parity.motion import Configuration, dynamics, first_rates, passive
+from plumbline.harness.scene.parity.planar import turned_alike
 from plumbline.harness.scene.parity.states import drawn
 
 TOLERANCE = 1e-5
@@ -67,7 +68,7 @@ def same_tree(a: RobotFacts, b: RobotFacts) -> bool:
 
 def compare(a: RobotFacts, b: RobotFacts, tolerance: float = TOLERANCE, seed: int = 0) -> list[Difference]:
     """What differs, the causes before what follows from them."""
-    b = with_free_root(a, b)
+    b = turned_alike(a, with_free_root(a, b))
     gravity = np.array(a.gravity or b.gravity or EARTH)
     rows: list[tuple[Difference, Change | None]] = []
     names_A, names_B = [joint.name for joint in a.joints], [joint.name for joint in b.joints]

@@ -7,7 +7,7 @@ Quantity = Literal[
     "joint", "type", "parent", "axis", "anchor", "lower", "upper", "damping", "stiffness", "rest", "armature",
     "friction_loss", "effort", "speed", "mass", "centre", "inertia", "law", "ratio", "offset", "point", "gravity",
     "drive stiffness", "drive damping", "drive target", "drive rate", "drive force", "drive push", "drive limit", "shape",
-    "touch", "friction", "gravity torque", "mass matrix", "acceleration",
+    "touch", "friction", "own value", "gravity torque", "mass matrix", "acceleration",
 ]  # fmt: skip
 Value = str | float | tuple[float, ...] | None
 

@@ -1,7 +1,7 @@
 """What an engine's own loader made of a robot file: its links gathered to facts, and how well its own mass matrix agrees."""
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -58,14 +58,31 @@ class LoadedLink:
     inertia: Array
 
 
+@dataclass(frozen=True, slots=True)
+class Own:
+    """What a loader gives shapes of which a URDF says nothing. Terms: values: those that there are, ascending."""
+
+    quantity: str
+    values: tuple[float, ...]
+    unit: str
+
+
+def own_values(quantity: str, values: Iterable[float], unit: str) -> tuple[Own, ...]:
+    """One row of all shapes; none where there is no shape."""
+    told = tuple(sorted({float(value) for value in values}))
+    return (Own(quantity, told, unit),) if told else ()
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Loaded:
     """Terms: facts: by the engine's own means. matrix_gap: the largest difference between the engine's own mass matrix and
-    that of the facts, relative to its largest entry, at three poses; None where the engine gives none. notes: in words."""
+    that of the facts, relative to its largest entry, at three poses; None where the engine gives none. notes: in words. own: of
+    a URDF, what its shapes are given that the format has no word for."""
 
     facts: RobotFacts
     matrix_gap: float | None = None
     notes: tuple[str, ...] = ()
+    own: tuple[Own, ...] = ()
 
 
 def gathered(
@@ -163,4 +180,5 @@ def restored(table: dict[str, Any]) -> Loaded:
     robot = RobotFacts(
         source=facts["source"], joints=tuple(joints), masses=masses, laws=laws, wordless=frozenset(facts["wordless"])
     )
-    return Loaded(facts=robot, matrix_gap=table["matrix_gap"], notes=tuple(table["notes"]))
+    own = tuple(Own(**{**each, "values": tuple(each["values"])}) for each in table["own"])
+    return Loaded(facts=robot, matrix_gap=table["matrix_gap"], notes=tuple(table["notes"]), own=own)

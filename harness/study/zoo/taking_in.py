@@ -22,11 +22,11 @@ from plumbline.harness.scene.importers.reading import imported, robot_of
 from plumbline.harness.scene.importers.robot import Robot as FileRobot
 from plumbline.harness.scene.importers.settling import wordless_kinds
 from plumbline.harness.store.imported_scenes import keep
-from plumbline.harness.store.zoo_record import Entry, InEngine, Stage
+from plumbline.harness.store.zoo_record import InEngine, Stage, ZooEntry
 from plumbline.harness.study import plugins
 from plumbline.harness.study.environments import elsewhere, project_folders
 from plumbline.harness.study.experiment import Experiment
-from plumbline.harness.study.zoo.robots import NotHere, Robot, file_of, roots_of
+from plumbline.harness.study.zoo.robots import NotHere, ZooRobot, file_of, roots_of
 
 Verdict = Literal["can", "cannot", "unavailable", "failed"]
 
@@ -116,7 +116,7 @@ DURATION = 1.0
 """Seconds of a run."""
 
 
-def take_in(folder: Path, robot: Robot, engines: Sequence[str], key: str) -> Entry:
+def take_in(folder: Path, robot: ZooRobot, engines: Sequence[str], key: str) -> ZooEntry:
     """What became of a robot, whose scene is kept in the run folder where it goes in.
 
     Args: engines: names of those that are asked. key: what the answer rests on.
@@ -128,12 +128,12 @@ def take_in(folder: Path, robot: Robot, engines: Sequence[str], key: str) -> Ent
         return replace(about, stage="not read", reason=str(error))
     if stage != "in":
         return replace(about, stage=stage, reason=str(fields["reason"]))
-    return Entry.of({**about.plain(), "stage": "in", **fields})
+    return ZooEntry.of({**about.plain(), "stage": "in", **fields})
 
 
-def unread(robot: Robot, key: str) -> Entry:
+def unread(robot: ZooRobot, key: str) -> ZooEntry:
     """The entry of a robot of which nothing is known but what its package says."""
-    return Entry(
+    return ZooEntry(
         name=robot.name,
         title=robot.title,
         package=robot.package,
@@ -144,7 +144,7 @@ def unread(robot: Robot, key: str) -> Entry:
     )
 
 
-def read_apart(folder: Path, robot: Robot, engines: Sequence[str]) -> tuple[Stage, dict[str, object]]:
+def read_apart(folder: Path, robot: ZooRobot, engines: Sequence[str]) -> tuple[Stage, dict[str, object]]:
     """As `take_in`, in the process that is given up to one robot: how far it came, and the fields of its entry."""
     try:
         path = file_of(robot)
@@ -201,7 +201,7 @@ class _Reads:
         return imported(self._robot, self._companion, replace(self._wishes, drop=drops, looks=looks))
 
 
-def _read(path: Path, robot: Robot) -> tuple[_Reads, str, Drops, frozenset[str]]:
+def _read(path: Path, robot: ZooRobot) -> tuple[_Reads, str, Drops, frozenset[str]]:
     """The robot of a file, its scenario, what has to be left out of it to be a scene at all, and what else may be.
 
     A robot with a floating root is dropped, one whose root is fixed swings. Raises: RobotError.

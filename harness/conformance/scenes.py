@@ -1,4 +1,4 @@
-"""Closed forms and independent integration that the checks compare with."""
+"""Scenes that the checks share, and closed forms and independent integration that they compare with."""
 
 from dataclasses import replace
 from typing import Any

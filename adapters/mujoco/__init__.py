@@ -169,7 +169,8 @@ ADAPTER = MujocoAdapter(
                 "numerical integration (RK4 for smooth motion whose springs and dampers it resolves, implicit for stiffer "
                 "dampers, discrete for stiffer springs; measured here: in contact the implicit one jitters where Euler "
                 "rests); release notes of 4.0.1 (sparse factor of 4.0.0: dense Jacobian where constraints couple the "
-                "branches of hinged trees, alone)"
+                "branches of hinged trees, alone); friction of balls that touch what stands alone left to the slip "
+                "correction ('Computation', noslip; measured here)"
             ),
         ),
     },

@@ -1,5 +1,6 @@
 """Bodies with their mass and shapes, in Newton's words."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -39,7 +40,8 @@ class Bodies:
     """Puts bodies into a model that is being made.
 
     Terms:
-        solver: which will step the model. softness: (ke, kd) of contacts. links: Newton's numbers by the names of bodies.
+        solver: which will step the model. softness: (ke, kd) of contacts. attributes: what else
+        MuJoCo-Warp is told of each shape. links: Newton's numbers by the names of bodies.
         shapes: numbers of a body's shapes. owners: by Newton's numbers of shapes, the places of their bodies in the scene.
     """
 
@@ -49,6 +51,7 @@ class Bodies:
     solver: str
     numbers: Numbers
     softness: tuple[float, float]
+    attributes: Mapping[str, Any]
     links: dict[str, int] = field(default_factory=lambda: {WORLD: WORLD_BODY})
     shapes: dict[str, list[int]] = field(default_factory=dict)
     owners: list[int] = field(default_factory=list)
@@ -97,7 +100,8 @@ class Bodies:
         )
         link, at, builder = self.links[body.name], self.vendor.transform(p, q), self.builder
         # A pyramid of friction 0 ends in NaN; a contact of one dimension has none.
-        arguments = {"xform": at, "cfg": config, "custom_attributes": {"mujoco:condim": 1} if mu == 0.0 else None}
+        attributes = {**self.attributes, **({"mujoco:condim": 1} if mu == 0.0 else {})}
+        arguments = {"xform": at, "cfg": config, "custom_attributes": attributes or None}
         match shape:
             case Sphere():
                 number = builder.add_shape_sphere(link, radius=shape.radius, **arguments)

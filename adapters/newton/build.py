@@ -73,7 +73,7 @@ def _told(vendor: Vendor, scene: Scene, used: Settings) -> tuple[Any, Bodies, Jo
     """All of a scene, in a model that is to be made. Raises: Unsupported."""
     refuse_tendons(scene)
     builder, solver = _builder(vendor, scene), str(used.solver)
-    bodies = Bodies(vendor, builder, scene, solver, numbers_of(scene, solver), _softness(used))
+    bodies = Bodies(vendor, builder, scene, solver, numbers_of(scene, solver), _softness(used), _impedance(used))
     bodies.put()
     joints = Joints(bodies, solver, _held(used))
     joints.put()
@@ -96,6 +96,12 @@ def _softness(used: Settings) -> tuple[float, float]:
         return _SOFT
     t = max(2.0 * used.substep, min(steps * used.substep, VENDOR_TIME_CONSTANT))
     return 1.0 / (t * used.options["contact_damping_ratio"]) ** 2, 2.0 / t
+
+
+def _impedance(used: Settings) -> dict[str, Any]:
+    """How little a contact gives way under load, by MuJoCo's attribute of a shape; nothing for the vendor's own."""
+    share = used.options.get("contact_impedance")
+    return {} if share is None else {"mujoco:geom_solimp": (share, share, 0.001, 0.5, 2.0)}
 
 
 def _held(used: Settings) -> dict[str, Any]:

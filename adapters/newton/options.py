@@ -17,15 +17,16 @@ KNOWN: Mapping[str, Sequence[Any] | Between] = {
     "impratio": Between(1.0, 1e4),
     "contact_steps": Between(0.5, 1e4),
     "contact_damping_ratio": Between(0.1, 10.0),
+    "contact_impedance": Between(0.001, 0.9999),
     "limit_steps": Between(0.5, 1e4),
     "contact_relaxation": Between(1e-3, 1.0),
     "contact_weighting": (True, False),
     "restitution_iterations": (1, 2, 4, 8, 16),
 }
 """contacts: who finds those that MuJoCo-Warp solves. cone, impratio: of its friction. contact_steps: the time constant of its
-contacts in steps, at most the vendor's; contact_damping_ratio: of them. limit_steps: of its joint limits. contact_relaxation,
-contact_weighting: the share of each contact's correction that XPBD takes, and whether it is divided by the contacts of a body.
-restitution_iterations: of XPBD."""
+contacts in steps, at most the vendor's; contact_damping_ratio, contact_impedance: of them. limit_steps: of its joint limits.
+contact_relaxation, contact_weighting: the share of each contact's correction that XPBD takes, and whether it is divided by the
+contacts of a body. restitution_iterations: of XPBD."""
 _VENDOR: Mapping[str, Mapping[str, Any]] = {
     "mujoco": {
         "contacts": "mujoco",
@@ -33,6 +34,7 @@ _VENDOR: Mapping[str, Mapping[str, Any]] = {
         "impratio": 1.0,
         "contact_steps": None,
         "contact_damping_ratio": 1.0,
+        "contact_impedance": None,
         "limit_steps": None,
     },
     "xpbd": {"contact_relaxation": 0.8, "contact_weighting": True, "restitution_iterations": 2},

@@ -63,8 +63,10 @@ class Stepper:
         self._now, self._even, self._lost = 0, True, False
         self._graphs: list[Any] = [None, None]
         self._data = getattr(solver, "mjw_data", None)
-        self._overflow = np.zeros(1, dtype=np.int32) if self._data is None else view(self._data.overflow)
-        self._found = None if self.contacts is None else view(self.contacts.rigid_contact_count)
+        none = np.zeros(1, dtype=np.int32)
+        self._overflow = none if self._data is None else view(self._data.overflow)
+        self._found = none if self.contacts is None else view(self.contacts.rigid_contact_count)
+        self._most = 0 if self.contacts is None else int(self.contacts.rigid_contact_max)
 
     @property
     def here(self) -> Side:
@@ -86,8 +88,7 @@ class Stepper:
                     self._launch()
                 self._graphs[self._now] = capture.graph
             self._vendor.warp.capture_launch(self._graphs[self._now])
-        found = self._found is not None and self._found[0] > self.contacts.rigid_contact_max
-        self._lost = self._lost or bool(found) or bool(self._overflow.any())
+        self._lost = self._lost or bool(self._found[0] > self._most) or bool(self._overflow.any())
         self._now = 1 - self._now
 
     def put(self, rows: Sequence[int] | Integers, start: State, places: list[int]) -> None:

@@ -9,7 +9,7 @@ from plumbline.harness.metrics import errors
 from plumbline.harness.scene import Body, Effect, Scene, Surface
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.trajectory.kinematics import about
-from plumbline.harness.truths.rolling import rolling
+from plumbline.harness.truths.friction import rolling
 
 DURATION = 2.5
 SPEED, RADIUS, MASS = 2.0, 0.1, 1.0

@@ -15,7 +15,7 @@ from plumbline.harness.metrics import errors
 from plumbline.harness.scene import Body, Effect, Scene, Surface, principal_inertia
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.trajectory.kinematics import about
-from plumbline.harness.truths.rolling import rolling
+from plumbline.harness.truths.friction import rolling
 
 DURATION = 1.5
 RADIUS, MASS, SPACING = 0.1, 1.0, 1.0

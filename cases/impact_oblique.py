@@ -15,7 +15,7 @@ from plumbline.harness.metrics.errors import angular_velocity_error_final, posit
 from plumbline.harness.scene import Body, Scene, Surface, sphere_inertia
 from plumbline.harness.scene.values import Vector3
 from plumbline.harness.trajectory import Floats, Trajectory
-from plumbline.harness.truths.coulomb_impact import coulomb_impact
+from plumbline.harness.truths.friction import coulomb_impact
 
 MASS, RADIUS, SPACING, APPROACH = 1.0, 0.2, 2.0, 2.0
 HEIGHT, HIGHER = 0.25, 0.007

@@ -10,8 +10,8 @@ from plumbline.harness.metrics import errors, joints
 from plumbline.harness.metrics.conservation import energy_drift_final, energy_drift_max, energy_drift_staggered_max
 from plumbline.harness.scene import WORLD, Body, Effect, Revolute, Scene
 from plumbline.harness.trajectory import Floats
-from plumbline.harness.truths.double_pendulum import INERTIA, LENGTH, MASS, THICKNESS, D, acceleration, placed, poses
 from plumbline.harness.truths.first_order import true_motion
+from plumbline.harness.truths.pendulum import INERTIA, LENGTH, MASS, THICKNESS, D, acceleration, placed, poses
 
 DURATION = 5.0
 

@@ -14,8 +14,8 @@ from plumbline.harness.metrics import chaos, errors, joints
 from plumbline.harness.metrics.conservation import energy_drift_final, energy_drift_max, energy_drift_staggered_max
 from plumbline.harness.scene import WORLD, Body, Effect, Revolute, Scene
 from plumbline.harness.trajectory import Floats, Trajectory
-from plumbline.harness.truths.double_pendulum import INERTIA, LENGTH, MASS, THICKNESS, D, acceleration, placed, poses
 from plumbline.harness.truths.first_order import FIRST_ORDER, first_order_motions, true_motion
+from plumbline.harness.truths.pendulum import INERTIA, LENGTH, MASS, THICKNESS, D, acceleration, placed, poses
 
 NEAREST, FARTHEST = 1e-6, 1e-3
 """Offsets [rad] of the members' upper rods from the first one's."""

@@ -7,7 +7,7 @@ from plumbline.harness.case import Case, Check, FloatCount, NotNegative, Paramet
 from plumbline.harness.case.bounds import G
 from plumbline.harness.metrics import contacts, jitter
 from plumbline.harness.scene import Body, Scene, Surface
-from plumbline.harness.truths.rest import resting
+from plumbline.harness.truths.friction import resting
 
 MASS, HALF = 1.0, 0.1
 SETTLED, DURATION = 5.0, 6.0

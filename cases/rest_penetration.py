@@ -4,7 +4,7 @@ from plumbline.harness.case import Case, Check, NotNegative, Parameters
 from plumbline.harness.case.bounds import GIVE, G, bears, settled_speed, supported
 from plumbline.harness.metrics import contacts, jitter
 from plumbline.harness.scene import Body, Box, Capsule, Cylinder, Scene, Shape, Sphere, Surface, axis_angle
-from plumbline.harness.truths.rest import resting
+from plumbline.harness.truths.friction import resting
 
 MASS, HALF = 1.0, 0.1
 SETTLED, DURATION = 1.0, 2.0

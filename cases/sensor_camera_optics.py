@@ -9,7 +9,7 @@ from plumbline.harness.metrics.cameras import colour_error_max, colour_error_med
 from plumbline.harness.scene import Appearance, Body, Box, Camera, Scene, Sphere, Sun, Vector3, axis_angle
 from plumbline.harness.sensors.rays import first_hits
 from plumbline.harness.sensors.sight import Sight
-from plumbline.harness.sensors.true_frames import stamps_up_to, true_frames, true_sight
+from plumbline.harness.sensors.true_views import stamps_up_to, true_frames, true_sight
 from plumbline.harness.trajectory import Floats, State, Trajectory
 
 RATE = 10.0

@@ -28,7 +28,7 @@ from plumbline.harness.scene import (
 )
 from plumbline.harness.scene.values import Matrix3
 from plumbline.harness.trajectory import Floats
-from plumbline.harness.truths.rest import resting
+from plumbline.harness.truths.friction import resting
 
 THICKNESS, RADIUS, DEPTH, DENSITY, FRICTION = 0.2, 1.0, 0.4, 2000.0, 0.8
 SETTLED, DURATION = 1.0, 2.0

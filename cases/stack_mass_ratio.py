@@ -8,7 +8,7 @@ from plumbline.harness.case import Axis, Case, Check, NotNegative, Parameters, P
 from plumbline.harness.case.bounds import GIVE, G, settled_speed, stands, supported
 from plumbline.harness.metrics import contacts, jitter, stack
 from plumbline.harness.scene import Body, Scene, Surface
-from plumbline.harness.truths.rest import resting
+from plumbline.harness.truths.friction import resting
 
 MASS, HALF = 1.0, 0.1
 SETTLED, DURATION = 1.0, 2.0

@@ -14,7 +14,7 @@ from plumbline.harness.metrics import equivalence, jitter, overlaps
 from plumbline.harness.props.robots.container import container
 from plumbline.harness.scene import Body, Scene, Surface
 from plumbline.harness.trajectory import Floats
-from plumbline.harness.truths.rest import resting
+from plumbline.harness.truths.friction import resting
 
 RADIUS, DENSITY = 0.05, 1000.0
 SETTLED, DURATION = 0.5, 1.0

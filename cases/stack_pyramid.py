@@ -12,7 +12,7 @@ from plumbline.harness.case import Axis, Case, Check, FloatCount, NotNegative, P
 from plumbline.harness.case.bounds import GIVE, G, settled_speed, stands, supported
 from plumbline.harness.metrics import contacts, jitter, stack
 from plumbline.harness.scene import Body, Effect, Plane, Scene, Surface
-from plumbline.harness.truths.rest import resting
+from plumbline.harness.truths.friction import resting
 
 MASS = 1.0
 SETTLED, DURATION = 0.5, 1.0

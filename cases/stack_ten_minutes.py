@@ -7,7 +7,7 @@ from plumbline.harness.case import Case, Check, FloatCount, NotNegative, Paramet
 from plumbline.harness.case.bounds import GIVE, G, settled_speed, stands
 from plumbline.harness.metrics import conservation, jitter, stack
 from plumbline.harness.scene import Body, Scene, Surface
-from plumbline.harness.truths.rest import resting
+from plumbline.harness.truths.friction import resting
 
 MASS, HALF = 1.0, 0.1
 DURATION, SETTLED = 600.0, 60.0

@@ -4,7 +4,7 @@ from plumbline.harness.case import Axis, Case, Check, FloatCount, NotNegative, P
 from plumbline.harness.case.bounds import GIVE, G, settled_speed, supported
 from plumbline.harness.metrics import contacts, stack
 from plumbline.harness.scene import Body, Scene, Surface
-from plumbline.harness.truths.rest import resting
+from plumbline.harness.truths.friction import resting
 
 MASS, HALF = 1.0, 0.1
 DURATION, SETTLED = 5.0, 4.0

@@ -11,7 +11,7 @@ from plumbline.harness.props.robots.floor import floor, grip
 from plumbline.harness.props.robots.humanoid import humanoid
 from plumbline.harness.props.robots.robot import MATERIAL, bearing
 from plumbline.harness.scene import EARTH_GRAVITY, Effect, Scene
-from plumbline.harness.truths.rest import resting
+from plumbline.harness.truths.friction import resting
 
 LEG = 0.4
 """Length of thighs and shanks [m], roughly."""

@@ -8,7 +8,7 @@ from plumbline.harness.props.robots.floor import floor, grip
 from plumbline.harness.props.robots.quadruped import DAMPING, LEG, STIFFNESS, quadruped
 from plumbline.harness.props.robots.robot import MATERIAL, bearing, copy_of
 from plumbline.harness.scene import EARTH_GRAVITY, Effect, Scene
-from plumbline.harness.truths.rest import resting
+from plumbline.harness.truths.friction import resting
 
 SPACING, ROW = 1.0, 4
 DURATION, SETTLED = 3.0, 1.5

@@ -14,6 +14,8 @@ FREE_INTEGRATORS = {
     ADAPTIVE: "plumbline.engine.integrate.dormand_prince",
 }
 """Integrators of bodies that neither joints nor contacts can touch, with the module of each."""
+TOLERANCES = {"semi_implicit_euler": 1e-11, ADAPTIVE: 1e-12}
+"""What is asked of a step where nothing is said."""
 INTEGRATORS = ("semi_implicit_euler", "rk4", *FREE_INTEGRATORS)
 BROAD_PHASES = ("uniform_grid", "octree", "sweep_and_prune", "bvh", "brute_force")
 BOUNDING_VOLUMES = ("aabb", "obb", "sphere")
@@ -43,7 +45,8 @@ class Options:
     Terms:
         dt [s]; substeps per dt of contacts and of every integrator but rk4; iterations: sweeps with the position error;
         relaxations: sweeps without it; integrator: of bodies that no contact touches; step_tolerance [1]: largest estimated
-        relative error of one step of dormand_prince alone (None: 1e-12); broad_phase (None: by the number of shapes);
+        relative error of one step of dormand_prince (None: 1e-12), or share of a sub-step's way that the rounds of
+        semi_implicit_euler in joint coordinates may leave out (None: 1e-11); broad_phase (None: by the number of shapes);
         bounding_volume: what two shapes are compared by, after their axis-aligned boxes; level_of_detail: what triangle meshes
         collide and meet rays as, while pictures show them as they are (None: as they are); threads: how many, of those that
         Numba was started with, share the broad phase, and the islands of a world under the soft solver that is not one of
@@ -108,7 +111,7 @@ class Options:
                 expected = ", ".join(one for one in choices if one is not None)
                 raise ValueError(f"options: {name} {getattr(self, name)!r}, expected one of {expected}")
         if self.step_tolerance is not None:
-            if self.integrator != ADAPTIVE:
+            if self.integrator not in TOLERANCES:
                 raise ValueError(
                     f"options: step_tolerance {self.step_tolerance}, but integrator '{self.integrator}' does not adapt"
                 )
@@ -129,8 +132,8 @@ class Options:
 
     @property
     def used_step_tolerance(self) -> float | None:
-        """The relative error [1] of a step that the adaptive integrator aims at; None for the others."""
-        return (self.step_tolerance or 1e-12) if self.integrator == ADAPTIVE else None
+        """What is asked of a step [1], or `TOLERANCES`; None for integrators that know none."""
+        return self.step_tolerance or TOLERANCES.get(self.integrator)
 
     @property
     def used_coordinates(self) -> str:

@@ -6,6 +6,7 @@ A claim is named by who says it and its words: `bullet lacks ellipsoid`, `dart r
 
 import ast
 import re
+import tomllib
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
@@ -15,8 +16,12 @@ from plumbline.harness.study import plugins
 
 ROOT = Path(__file__).parents[1]
 PAGE = ROOT / "docs" / "fairness.md"
-ENGINES = ("bullet", "dart", "mujoco", "rapier", "sapien")
-NAMED = re.compile(r"\b(MuJoCo|Bullet|pybullet|DART|dartpy|Rapier|PhysX|SAPIEN)\b")
+ENGINES = ("bullet", "dart", "mujoco", "newton", "rapier", "sapien")
+NAMED = re.compile(
+    r"\b(MuJoCo(?:-Warp)?|Bullet|pybullet|DART|dartpy|Rapier|PhysX|SAPIEN|XPBD|"
+    r"Newton(?!'s (?:law|method|iteration|equation|third))(?! (?:iteration|step|method|solver)|-))\b"
+)
+"""Engines, and no law or method of Newton's."""
 AGAINST = re.compile(
     r"\b(cannot|not|no|never|none|nothing|nobody|alone|only|without|lacks?|missing|miss(?:es)?|ignores?|fails?|breaks?|refuses?|"
     r"loses?|lost|leaves? out|left out|errs?|wrong|slower|longer|dear(?:er)?|costs?|explodes?|diverges?|blows? up|jitters?|"
@@ -25,7 +30,7 @@ AGAINST = re.compile(
 """Words that make a sentence about an engine one against it: what it does not have, not do, does wrongly or more dearly."""
 
 TEXTS = ("adapters", "cases", "harness", "reports")
-"""Where sentences for users stand in the code; what a docstring says is for those who read it."""
+"""Where sentences for users stand in the code. A docstring is for those who read the code, but for that of a case."""
 
 
 def plain(text: str) -> str:
@@ -89,11 +94,39 @@ def written() -> Iterator[str]:
                 yield f"{page.relative_to(ROOT)}: {sentence}"
 
 
+def shown() -> Iterator[str]:
+    """What templates of pages, built-in studies and docstrings of cases say against an engine; findings have rows by name."""
+    for page in sorted((ROOT / "reports").rglob("*.html")):
+        for sentence in re.split(r"(?<=[.;])\s+(?=[A-Z`*\[])|\n\s*\n", page.read_text(encoding="utf-8")):
+            text = " ".join(re.sub(r"(?s)<[^>]*>|\{[%#].*?[%#]\}|\{\{.*?\}\}", " ", sentence).split())
+            if NAMED.search(text) and AGAINST.search(text):
+                yield f"{page.relative_to(ROOT)}: {text}"
+    for study in sorted((ROOT / "harness" / "study").rglob("*.toml")):
+        for text in _strings(tomllib.loads(study.read_text(encoding="utf-8"))):
+            if NAMED.search(text) and AGAINST.search(text):
+                yield f"{study.relative_to(ROOT)}: {text}"
+    for path in sorted((ROOT / "cases").rglob("*.py")):
+        text = ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))) or ""
+        if NAMED.search(text) and AGAINST.search(text):
+            yield f"{path.relative_to(ROOT)}: {text}"
+
+
+def _strings(values: object) -> Iterator[str]:
+    """All texts of a file of TOML."""
+    match values:
+        case str(text):
+            yield text
+        case dict():
+            for value in values.values():
+                yield from _strings(value)
+        case list():
+            for value in values:
+                yield from _strings(value)
+
+
 def told() -> Iterator[str]:
-    """What sentences in the code say against an engine, but for docstrings, comments and the adapters' own."""
+    """What sentences in the code say against an engine, but for docstrings and comments."""
     for path in sorted(path for folder in TEXTS for path in (ROOT / folder).rglob("*.py")):
-        if path.relative_to(ROOT).parts[0] == "adapters":
-            continue
         tree = ast.parse(path.read_text(encoding="utf-8"))
         loose = {id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Expr)}
         loose |= {id(part) for node in ast.walk(tree) if isinstance(node, ast.JoinedStr) for part in node.values}
@@ -109,7 +142,9 @@ def claims() -> frozenset[str]:
     adapters = [plugins.adapters()[name] for name in ENGINES]
     made = [claim for adapter in adapters for claim in declared(adapter)]
     made += [claim for name in ENGINES for claim in refused(ROOT / "adapters" / name)]
-    return frozenset(map(plain, (*made, *written(), *told())))
+    declarations = " ".join(map(plain, made))
+    texts = [text for text in map(plain, told()) if text.split(": ", 1)[1] not in declarations]
+    return frozenset((*map(plain, (*made, *written(), *shown())), *texts))
 
 
 if __name__ == "__main__":

@@ -66,7 +66,4 @@ def connected_components(links: Ints, kind: Ints, island: Ints) -> int:
 @entry
 def list_near_blows(kind: Ints, manifold: Floats, key: Ints, order: Ints, room: Ints, step: int) -> int:
     """`near_blows` of contacts in this order. Returns: how many there are, the first rows of `room`."""
-    near = near_blows(kind, Contacts(manifold, manifold, key, key, order), room, step)
-    for rank in range(len(near.order)):
-        room[rank, 0] = near.order[rank, 0]
-    return len(near.order)
+    return int(near_blows(kind, Contacts(manifold, manifold, key, key, order), room, step))

@@ -6,6 +6,7 @@ are those that `plumbline check ENGINE --yes` makes. Exits with the first code t
 
 import subprocess
 import sys
+from pathlib import Path
 
 from plumbline.harness.study.environments import home_of
 
@@ -15,7 +16,8 @@ def main(engines: list[str]) -> int:
     for engine in engines:
         home = home_of(engine)
         python = sys.executable if home is None else home.executable
-        files = [f"tests/vendor/test_{engine}.py", "tests/conformance/test_faults_on_extras.py"]
+        scripts = sorted(str(path) for path in Path("tests/vendor").glob(f"test_{engine}*.py"))
+        files = [*scripts, "tests/conformance/test_faults_on_extras.py"]
         code = subprocess.run([python, "-m", "pytest", "-q", "-n", "2", "-k", engine, *files], check=False).returncode
         if code:
             return code

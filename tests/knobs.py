@@ -7,7 +7,7 @@ from pathlib import Path
 
 from plumbline.harness.adapter import Adapter
 from plumbline.harness.case import Case
-from plumbline.harness.findings.search_effort import ALIKE
+from plumbline.harness.findings.cost_point import ALIKE
 from plumbline.harness.search.front import next_trials
 from plumbline.harness.store.record import Record
 from plumbline.harness.study.experiment import Experiment

@@ -8,7 +8,7 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from plumbline.harness.intake.refusal import RobotError
+from plumbline.harness.intake.error import RobotError
 from plumbline.harness.scene.importers import mjcf_compiler
 from plumbline.harness.scene.importers.mjcf_model import Model, look_for_misspelt, model_of, said_of
 from plumbline.harness.scene.importers.mjcf_text import Prepared

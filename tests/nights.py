@@ -17,7 +17,7 @@ from plumbline.harness.history import night_policy
 from plumbline.harness.history.changes_since import News
 from plumbline.harness.history.folder import History, Night, created
 from plumbline.harness.history.night import accounted, carry_out_night, close, compared, night_to_do
-from plumbline.harness.history.night_policy import Asked
+from plumbline.harness.history.night_policy import NightWish
 from plumbline.harness.run import campaign
 from plumbline.harness.scene import Scene
 from plumbline.harness.store.record import Record
@@ -28,7 +28,7 @@ from plumbline.harness.study.trial import Trial
 from plumbline.harness.trajectory import Floats
 from plumbline.harness.trial import accuracy, answer, ensemble
 from plumbline.harness.trial.accuracy import run_trial
-from plumbline.harness.trial.answer import Answer
+from plumbline.harness.trial.answer import RunAnswer
 from plumbline.harness.trial.ensemble import endure
 from plumbline.harness.trial.truth_cache import truth_of
 from tests.in_process import clocked_by
@@ -116,15 +116,15 @@ def one_ulp_off(state: Any) -> None:
     state.p_WB[0, 0] = np.nextafter(state.p_WB[0, 0], math.inf)
 
 
-_KNOWN: dict[str, Answer] = {}
+_KNOWN: dict[str, RunAnswer] = {}
 """What engines made of scenes, by all that decides it; arrays can't be written to."""
 
 
-def _remembered(fault: Fault) -> Callable[[Trial, Problem, Any], Answer]:
+def _remembered(fault: Fault) -> Callable[[Trial, Problem, Any], RunAnswer]:
     """As `answer_of`, which is asked once in a process for the same: nights step the same scenes again and again."""
     plain = answer.answer_of
 
-    def answer_of(trial: Trial, problem: Problem, adapter: Any) -> Answer:
+    def answer_of(trial: Trial, problem: Problem, adapter: Any) -> RunAnswer:
         own = (fault.scene, fault.state) if trial.engine == fault.engine else ()
         key = repr((trial.case, trial.parameters, trial.engine, trial.settings, trial.alteration, own, problem.scene))
         if key not in _KNOWN:
@@ -189,15 +189,15 @@ def drawn(monkeypatch: pytest.MonkeyPatch, share: float) -> None:
     monkeypatch.setattr(night_policy, "AGAIN", share)
 
 
-def asked(study: Study = STUDY, engines: Sequence[str] = ENGINES, **others: Any) -> Asked:
+def asked(study: Study = STUDY, engines: Sequence[str] = ENGINES, **others: Any) -> NightWish:
     """What a night of few cells is asked for; our engine is gated."""
     cases = plugins.cases(lambda name: any(experiment.asks(name) for experiment in study.experiments))
-    return Asked(
+    return NightWish(
         study=study, cases=cases, adapters={name: plugins.adapter(name) for name in engines}, gated=("reference",), **others
     )
 
 
-def night(root: Path, what: Asked | None = None) -> tuple[Night, News | None, dict[str, Any]]:
+def night(root: Path, what: NightWish | None = None) -> tuple[Night, News | None, dict[str, Any]]:
     """One night from its beginning to its end; with what changed, and its account."""
     history: History = created(root)
     what = what or asked()

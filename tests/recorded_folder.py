@@ -23,10 +23,10 @@ from plumbline.harness.scene import (
     Surface,
     TriangleMesh,
 )
+from plumbline.harness.store.arrays import save_trajectory
 from plumbline.harness.store.journal import Journal
 from plumbline.harness.store.record import Measurement, Record
 from plumbline.harness.store.store import write_json
-from plumbline.harness.store.trajectory_file import save_trajectory
 from plumbline.harness.trajectory import Trajectory
 from plumbline.reports import write_recordings
 

@@ -21,10 +21,10 @@ from plumbline.harness.scene import (
     Sphere,
     StereoNoise,
 )
+from plumbline.harness.store.arrays import save_trajectory
 from plumbline.harness.store.journal import Journal
 from plumbline.harness.store.record import Measurement, Record, Timing
 from plumbline.harness.store.store import write_json
-from plumbline.harness.store.trajectory_file import save_trajectory
 from plumbline.harness.trajectory import Floats, Trajectory
 
 __all__ = ["CASE", "LATENCY", "scene", "sensing", "told", "write_sensor_folder"]

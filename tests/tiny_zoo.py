@@ -6,7 +6,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from plumbline.harness.study.zoo import robots
-from plumbline.harness.study.zoo.robots import Robot
+from plumbline.harness.study.zoo.robots import ZooRobot
 from tests.robot_files import INERTIAL, mjcf, urdf
 
 __all__ = ["FILES", "NAME", "listing", "tiny_zoo"]
@@ -46,7 +46,7 @@ def listing(folder: Path) -> Path:
 
 
 @contextmanager
-def tiny_zoo(folder: Path) -> Iterator[list[Robot]]:
+def tiny_zoo(folder: Path) -> Iterator[list[ZooRobot]]:
     """The robots, while their package is installed in a folder of its own."""
     site = folder / "site"
     files, about = site / "tiny_zoo" / "files", site / "tiny_zoo-1.5.dist-info"

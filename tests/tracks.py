@@ -1,7 +1,7 @@
 """The two tracks of an engine compared over the catalogue: in which cases does 'default' do better than 'tuned'?
 
 'default' does better if it keeps all checks that 'tuned' keeps and another one, or if it keeps them and 'tuned' errs more; see
-`harness.search.better` for what counts as more.
+`harness.search.dominance` for what counts as more.
 """
 
 from collections.abc import Iterable, Mapping
@@ -14,7 +14,7 @@ import pytest
 from plumbline.harness.adapter import Adapter, TradeOff
 from plumbline.harness.case import Case
 from plumbline.harness.run.campaign import carry_out
-from plumbline.harness.search.better import Comparison, Question, compared, run_of
+from plumbline.harness.search.dominance import Comparison, Question, compared, run_of
 from plumbline.harness.store.store import Store
 from plumbline.harness.study.experiment import Experiment
 from plumbline.harness.study.study import Study

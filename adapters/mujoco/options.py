@@ -17,7 +17,8 @@ class Options:
 
     Terms:
         by_scene: choose integrator and Jacobian by the scene where the settings leave them open.
-        cone: 'pyramidal' or 'elliptic'. impratio: friction over normal stiffness. jacobian: 'dense', 'sparse', 'auto'.
+        cone: 'pyramidal' or 'elliptic'. impratio: friction over normal stiffness; rolling_impratio: the same, with the
+            slip correction, where balls alone touch what holds them. jacobian: 'dense', 'sparse', 'auto'.
         noslip_iterations, ls_iterations: of the slip correction and the line search.
         contact_steps: time constant of contacts without restitution in steps. fast_steps: of those of them that would otherwise
         be pressed through; None: as of the others.
@@ -35,6 +36,7 @@ class Options:
     by_scene: bool = False
     cone: str | None = None
     impratio: float | None = None
+    rolling_impratio: float | None = None
     jacobian: str | None = None
     noslip_iterations: int | None = None
     ls_iterations: int | None = None
@@ -74,7 +76,8 @@ def _one_of(*names: str) -> tuple[Callable[[Any], bool], str]:
 _TRUE_OR_FALSE: tuple[Callable[[Any], bool], str] = (lambda v: isinstance(v, bool), "true or false")
 BOUNDS: Mapping[str, tuple[Callable[[Any], bool], str]] = {
     "cone": _one_of("pyramidal", "elliptic"),
-    "impratio": _number(1e-3, 1e6),
+    "impratio": _number(1e-6, 1e6),
+    "rolling_impratio": _number(1e-6, 1e6),
     "jacobian": _one_of("dense", "sparse", "auto"),
     "noslip_iterations": _integer(0, 10_000),
     "ls_iterations": _integer(1, 10_000),

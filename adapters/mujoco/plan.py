@@ -8,6 +8,7 @@ import numpy as np
 from plumbline.adapters.mujoco.frames import principal
 from plumbline.adapters.mujoco.heavy_loads import impedance_for
 from plumbline.adapters.mujoco.options import Options, checked
+from plumbline.adapters.mujoco.rolling import CORRECTIONS, balls_alone
 from plumbline.adapters.mujoco.trees import Link, forest, in_one_body
 from plumbline.harness.adapter import Settings
 from plumbline.harness.adapter.rotations import matrix
@@ -51,6 +52,10 @@ class Plan:
         options, effects, h = checked(settings), scene.effects, settings.dt / (settings.substeps or 1)
         if options.by_scene and options.contact_impedance is None and Effect.CONTACT in effects:
             options = replace(options, contact_impedance=impedance_for(scene, options, h))
+        if options.rolling_impratio is not None and balls_alone(scene):
+            options = replace(
+                options, impratio=options.rolling_impratio, noslip_iterations=options.noslip_iterations or CORRECTIONS
+            )
         joints = scene.joints if Effect.JOINTS in effects else ()
         links, loops = forest(scene, joints)
         chains = in_one_body(scene, links)

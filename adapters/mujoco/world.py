@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from plumbline.harness.adapter.between import Chain
+from plumbline.harness.adapter.between import MasslessChain
 from plumbline.harness.scene import Scene
 from plumbline.harness.trajectory import Floats, Integers
 
@@ -42,7 +42,7 @@ class Indices:
     drives: Mapping[str, int]
     hung: Mapping[str, Hung]
     inertial: Mapping[str, tuple[int, int]]
-    chains: Sequence[Chain]
+    chains: Sequence[MasslessChain]
 
 
 @dataclass(frozen=True, slots=True)

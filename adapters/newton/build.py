@@ -11,6 +11,7 @@ from plumbline.adapters.newton.stepper import NoContacts, Stepper
 from plumbline.adapters.newton.surfaces import numbers_of, rebounds
 from plumbline.adapters.newton.vendor import Vendor, mujoco_solver
 from plumbline.harness.adapter import Notice, Settings
+from plumbline.harness.adapter.carried_laws import refuse_tendons
 from plumbline.harness.adapter.distance_springs import DistanceSprings, is_distance_spring
 from plumbline.harness.scene import Effect, Scene
 
@@ -70,6 +71,7 @@ def _builder(vendor: Vendor, scene: Scene) -> Any:
 
 def _told(vendor: Vendor, scene: Scene, used: Settings) -> tuple[Any, Bodies, Joints]:
     """All of a scene, in a model that is to be made. Raises: Unsupported."""
+    refuse_tendons(scene)
     builder, solver = _builder(vendor, scene), str(used.solver)
     bodies = Bodies(vendor, builder, scene, solver, numbers_of(scene, solver), _softness(used))
     bodies.put()
@@ -80,10 +82,11 @@ def _told(vendor: Vendor, scene: Scene, used: Settings) -> tuple[Any, Bodies, Jo
 
 
 def _pipeline(vendor: Vendor, model: Any, used: Settings, effects: Effect) -> Any:
-    """What finds contacts for XPBD; MuJoCo-Warp finds its own."""
-    if used.solver != "xpbd":
-        return None
-    return vendor.newton.CollisionPipeline(model) if Effect.CONTACT in effects else NoContacts()
+    """What finds contacts, where MuJoCo-Warp does not find its own."""
+    touches = Effect.CONTACT in effects
+    if used.solver == "xpbd":
+        return vendor.newton.CollisionPipeline(model) if touches else NoContacts()
+    return vendor.newton.CollisionPipeline(model) if touches and used.options["contacts"] == "newton" else None
 
 
 def _softness(used: Settings) -> tuple[float, float]:
@@ -114,12 +117,14 @@ def _room(scene: Scene) -> tuple[int, int]:
     """For how many contacts and rows of constraints there is room in a world; Newton's own guess is from those of the start.
 
     A pair of shapes has at most 8 points; in a heap a shape has a dozen neighbours, shared with them, and 4 points with each.
-    A contact has at most 4 rows, a joint at most 8.
+    A contact has at most 4 rows, a joint at most 8. Kernels of MuJoCo-Warp are compiled for each number of rows anew: scenes of
+    like size share those of a power of two.
     """
     moving = sum(len(body.collision) for body in scene.bodies if body.movable)
     every = sum(len(body.collision) for body in scene.bodies)
     contacts = max(16, min(8 * moving * (every - 1), 32 * moving)) if Effect.CONTACT in scene.effects else 0
-    return contacts, 4 * contacts + 8 * (len(scene.joints) + len(scene.bodies)) + 16
+    rows = 4 * contacts + 8 * (len(scene.joints) + len(scene.bodies)) + 16
+    return contacts, max(64, 1 << (rows - 1).bit_length())
 
 
 def _solver(vendor: Vendor, model: Any, used: Settings, effects: Effect, room: tuple[int, int]) -> Any:
@@ -140,6 +145,7 @@ def _solver(vendor: Vendor, model: Any, used: Settings, effects: Effect, room: t
         integrator=used.integrator,
         cone=options["cone"],
         impratio=options["impratio"],
+        use_mujoco_contacts=options["contacts"] == "mujoco" or Effect.CONTACT not in effects,
         disable_contacts=Effect.CONTACT not in effects,
         nconmax=room[0] or None,
         njmax=room[1],

@@ -55,8 +55,8 @@ class NewtonSimulation:
     def _way(self, number: int) -> Led:
         """How a body is led from the start on."""
         start, model, row = self._start, self._world.model, self._world.links[self._scene.bodies[number].name]
-        number = int(np.flatnonzero(view(model.joint_child) == row)[0])
-        at, rate_at = int(view(model.joint_q_start)[number]), int(view(model.joint_qd_start)[number])
+        joint = int(np.flatnonzero(view(model.joint_child) == row)[0])
+        at, rate_at = int(view(model.joint_q_start)[joint]), int(view(model.joint_qd_start)[joint])
         return Led(number, row, at, rate_at, *(a[number].copy() for a in (start.p_WB, start.q_WB, start.v_WB, start.w_WB)))
 
     def _set_out(self) -> None:

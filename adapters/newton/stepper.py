@@ -34,8 +34,9 @@ class Side:
     @classmethod
     def of(cls, state: Any) -> "Side":
         """A state of a model, whose arrays are seen in place."""
-        arrays = (state.body_q, state.body_qd, state.body_f, state.joint_q, state.joint_qd)
-        return cls(state, *(np.zeros((0, 7)) if array is None else view(array) for array in arrays))
+        shapes = {"body_q": (0, 7), "body_qd": (0, 6), "body_f": (0, 6), "joint_q": (0,), "joint_qd": (0,)}
+        arrays = ((getattr(state, name), shape) for name, shape in shapes.items())
+        return cls(state, *(np.zeros(shape) if array is None else view(array) for array, shape in arrays))
 
 
 class NoContacts:
@@ -61,8 +62,9 @@ class Stepper:
         self._vendor, self._pipeline, self._h = vendor, pipeline, h
         self._now, self._even, self._lost = 0, True, False
         self._graphs: list[Any] = [None, None]
-        over_mujoco = solver is not None and pipeline is None
-        self._overflow = view(solver.mjw_data.overflow) if over_mujoco else np.zeros(1, dtype=np.int32)
+        self._data = getattr(solver, "mjw_data", None)
+        self._overflow = np.zeros(1, dtype=np.int32) if self._data is None else view(self._data.overflow)
+        self._found = None if self.contacts is None else view(self.contacts.rigid_contact_count)
 
     @property
     def here(self) -> Side:
@@ -84,7 +86,8 @@ class Stepper:
                     self._launch()
                 self._graphs[self._now] = capture.graph
             self._vendor.warp.capture_launch(self._graphs[self._now])
-        self._lost = self._lost or bool(self._overflow.any())
+        found = self._found is not None and self._found[0] > self.contacts.rigid_contact_max
+        self._lost = self._lost or bool(found) or bool(self._overflow.any())
         self._now = 1 - self._now
 
     def put(self, rows: Sequence[int] | Integers, start: State, places: list[int]) -> None:
@@ -142,8 +145,7 @@ class Stepper:
         """Views of all that decides the future: the present state, what drives ask for, what the solver takes over."""
         side, control = self.here, self.control
         targets = [view(a) for a in (control.joint_target_q, control.joint_target_qd, control.joint_f) if a is not None]
-        over_mujoco = self.solver is not None and self._pipeline is None
-        warm = [view(self.solver.mjw_data.qacc_warmstart)] if over_mujoco else []
+        warm = [] if self._data is None else [view(self._data.qacc_warmstart)]
         return [side.q, side.qd, side.f, side.joint_q, side.joint_qd, *targets, *warm]
 
     def save(self) -> list[Floats]:
@@ -158,7 +160,7 @@ class Stepper:
 
     def notices(self) -> tuple[Notice, ...]:
         """What there was no room for."""
-        text = "MuJoCo-Warp had no room for all contacts or constraints of a step"
+        text = "Newton had no room for all contacts or constraints of a step"
         return (Notice(text, "capacity"),) if self._lost else ()
 
     def close(self) -> None:

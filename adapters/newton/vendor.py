@@ -32,6 +32,8 @@ def load() -> Vendor:
     try:
         warp = importlib.import_module("warp")
         warp.config.log_level = warp.LOG_ERROR
+        # Nobody asks for gradients here, and each kernel's adjoint doubles what is compiled.
+        warp.config.enable_backward = False
         with _unheard():
             warp.init()
         newton = importlib.import_module("newton")

@@ -40,7 +40,9 @@ def builder_of(rapier: Any, body: Body, effects: Effect, used: Settings) -> Any:
         case _:
             moments, q_BP = principal_frame(body)
             mass = rapier.MassProperties((0.0, 0.0, 0.0), body.mass, moments, rapier.Rotation3(*q_BP))
-            builder = build.dynamic().additional_mass_properties(mass).gyroscopic_forces(Effect.GYROSCOPIC in effects)
+            # A body whose moments are alike feels no gyroscopic torque, and with one it gains energy by rounding.
+            uneven = Effect.GYROSCOPIC in effects and len(set(moments)) > 1
+            builder = build.dynamic().additional_mass_properties(mass).gyroscopic_forces(uneven)
     v, w = body.velocity_at_start
     builder = builder.position(pose(rapier, body.p_WB, body.q_WB)).linvel(v).angvel(w).can_sleep(used.options["sleeping"])
     if Effect.LINEAR_DAMPING in effects:
@@ -62,9 +64,7 @@ def _reach(body: Body, dt: float) -> float:
 
 
 def check_body(body: Body) -> None:
-    """Raises: Unsupported, for shapes that Rapier has not, and for no mass."""
-    if body.massless:
-        raise Unsupported(f"body '{body.name}' without mass", "the adapter tells Rapier bodies with mass alone")
+    """Raises: Unsupported, for shapes that Rapier has not."""
     for placed in body.collision:
         if isinstance(placed.shape, Ellipsoid):
             raise Unsupported(f"ellipsoid of body '{body.name}'", "Rapier has no such shape")

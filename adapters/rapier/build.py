@@ -1,16 +1,17 @@
 """A scene becomes a world of Rapier: everything in its order."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import Any
 
 from plumbline.adapters.rapier.bodies import builder_of, check_body, colliders_of
-from plumbline.adapters.rapier.joints import Joiner
+from plumbline.adapters.rapier.joints import Joiner, of_reduced_alone
 from plumbline.adapters.rapier.options import resolved_settings, set_parameters
 from plumbline.adapters.rapier.simulation import Made, RapierSimulation
 from plumbline.adapters.rapier.surfaces import Law, PairLaws, groups_of, laws_of
 from plumbline.adapters.rapier.trees import put_trees
-from plumbline.harness.adapter import Notice, Settings
-from plumbline.harness.adapter.carried_laws import carried, refuse_tendons
+from plumbline.harness.adapter import Notice, Settings, Unsupported
+from plumbline.harness.adapter.between import on_massless
+from plumbline.harness.adapter.carried_laws import refuse_tendons
 from plumbline.harness.adapter.reduced_trees import trees_of
 from plumbline.harness.scene import WORLD, Effect, Scene
 
@@ -21,6 +22,7 @@ def build(rapier: Any, scene: Scene, settings: Settings) -> RapierSimulation:
     used = resolved_settings(settings, effects)
     if Effect.JOINTS in effects:
         refuse_tendons(scene)
+    between = on_massless(scene)
     world = rapier.PhysicsWorld(gravity=scene.gravity if Effect.GRAVITY in effects else (0.0, 0.0, 0.0))
     set_parameters(rapier, world, used)
     if Effect.CONTINUOUS_COLLISION not in effects:
@@ -30,17 +32,21 @@ def build(rapier: Any, scene: Scene, settings: Settings) -> RapierSimulation:
         check_body(body)
         contents.handles.append(world.add_body(builder_of(rapier, body, effects, used), []))
     if Effect.JOINTS in effects:
-        # Impulse joints have no rotors: where one is told, trees are in reduced coordinates on any track.
-        rotors = any("armature" in carried(joint) for joint in scene.joints)
-        _join(contents, scene, rotors or used.options["joints"] == "multibody")
+        # What impulse joints have not, trees in reduced coordinates have, on any track.
+        needed = bool(between) or any(of_reduced_alone(joint, effects) for joint in scene.joints)
+        _join(contents, scene, needed or used.options["joints"] == "multibody", between)
     _put_shapes(contents, scene, effects, used)
     if used.options["sleeping"] and any(body.movable for body in scene.bodies):
-        contents.notices.append(Notice("bodies slower than 0.05 m/s and 0.5 rad/s for half a second are put to sleep"))
+        contents.notices.append(Notice("bodies slower than 0.1 m/s and 0.5 rad/s for half a second are put to sleep"))
     return RapierSimulation(scene, used, contents)
 
 
-def _join(contents: Made, scene: Scene, reduced: bool) -> None:
-    """All joints. Args: reduced: trees of them in reduced coordinates. Raises: Unsupported."""
+def _join(contents: Made, scene: Scene, reduced: bool, between: Collection[str]) -> None:
+    """All joints.
+
+    Args: reduced: trees of them in reduced coordinates. between: names of those that end at a body without mass.
+    Raises: Unsupported.
+    """
     rapier, world = contents.rapier, contents.world
     handles = dict(zip((body.name for body in scene.bodies), contents.handles, strict=True))
     joiner = Joiner(rapier, world, scene, handles)
@@ -52,6 +58,10 @@ def _join(contents: Made, scene: Scene, reduced: bool) -> None:
     put_trees(world, scene, trees, root, joiner.link)
     held = {branch.edge.name for tree in trees for branch in tree.branches}
     loose = [joint for joint in scene.joints if joint.name not in held]
+    if free := next((joint.name for joint in loose if joint.name in between), None):
+        raise Unsupported(
+            f"joint '{free}' of a body without mass", "Rapier has links without mass in reduced coordinates alone"
+        )
     if any(WORLD in (joint.parent, joint.child) for joint in loose):
         handles[WORLD] = world.add_body(rapier.RigidBody.fixed(), [])
     for joint in loose:

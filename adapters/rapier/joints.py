@@ -6,13 +6,14 @@ from typing import Any
 
 from plumbline.adapters.rapier.vendor import pose
 from plumbline.harness.adapter import Unsupported
-from plumbline.harness.adapter.carried_laws import refuse_armature, refuse_speed_limit
+from plumbline.harness.adapter.carried_laws import carried, refuse_armature, refuse_speed_limit
 from plumbline.harness.adapter.joint_frames import joint_frames, within
 from plumbline.harness.adapter.motors import Motor, motors_of
 from plumbline.harness.scene import (
     Ball,
     Distance,
     Drive,
+    Effect,
     Fixed,
     Joint,
     Prismatic,
@@ -103,11 +104,28 @@ def _with_motor(rapier: Any, builder: Any, axis: Any, motor: Motor) -> Any:
     return builder if motor.limit is None else builder.motor_max_force(axis, motor.limit)
 
 
+def of_reduced_alone(joint: Joint, effects: Effect) -> bool:
+    """Does Rapier have it in reduced coordinates alone? It has a rotor, or limits or a target beyond a turn."""
+    if "armature" in carried(joint):
+        return True
+    if not isinstance(joint, Revolute):
+        return False
+    try:
+        for motor in motors_of(joint, effects):
+            check_target(joint.name, motor.stiffness > 0, motor.target)
+        if joint.limits is not None:
+            _range(joint, True)
+    except Unsupported:
+        return True
+    return False
+
+
 def check_target(name: str, turns: bool, target: float) -> None:
     """Raises: Unsupported, for a target [rad] that the angle of an impulse joint does not reach."""
     if turns and abs(target) >= math.pi:
         raise Unsupported(
-            f"joint '{name}': a spring or drive {target:.4g} rad from the start", "Rapier counts a joint's angle modulo a turn"
+            f"joint '{name}': a spring or drive {target:.4g} rad from the start",
+            "an impulse joint of Rapier counts its angle modulo a turn",
         )
 
 
@@ -121,7 +139,7 @@ def _range(joint: Revolute | Prismatic, wraps: bool) -> tuple[float, float]:
     low = lower if lower is not None else (upper or 0.0) - turn
     high = upper if upper is not None else low + turn
     if not (high - low <= turn and low > -turn and high < turn):
-        raise Unsupported(f"joint '{joint.name}': limits", "Rapier counts a joint's angle modulo a turn")
+        raise Unsupported(f"joint '{joint.name}': limits", "an impulse joint of Rapier counts its angle modulo a turn")
     return low, high
 
 

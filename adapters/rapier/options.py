@@ -22,13 +22,15 @@ KNOWN: Mapping[str, Sequence[Any] | Between] = {
     "soft_ccd": (True, False),
     "inner_edges": (True, False),
     "joints": JOINTS,
+    "on_path": (True, False),
     "by_scene": (True, False),
 }
 """sleeping: do bodies sleep. contact_rate: natural frequency of contacts over the rate of sub-steps. recycling, clustering: of
 contact points. capped: speeds at 400 m/s, turns at 45 degrees a step, as the vendor has them. soft_ccd: predict contacts as
 far as a body moves in a step, where the scene calls for continuous collision. inner_edges: do the inner edges of meshes push
-bodies that slide over them. joints: as constraints between free bodies, or trees of them in reduced coordinates.
-by_scene: BUSY sub-steps, where the settings leave them open, in scenes with contacts or joints."""
+bodies that slide over them. joints: as constraints between free bodies, or trees of them in reduced coordinates. on_path: are
+bodies that are led put back on their path before each step. by_scene: BUSY sub-steps, where the settings leave them open, in
+scenes with contacts or joints."""
 _VENDOR: Mapping[str, Any] = {
     "sleeping": True,
     "friction_model": "simplified",
@@ -38,6 +40,7 @@ _VENDOR: Mapping[str, Any] = {
     "soft_ccd": False,
     "inner_edges": True,
     "joints": "impulse",
+    "on_path": False,
     "by_scene": False,
 }
 SUBSTEPS, ITERATIONS = 4, 1

@@ -2,13 +2,14 @@
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, cast
 
 import numpy as np
 
 from plumbline.adapters.rapier import rays
 from plumbline.adapters.rapier.joints import DriveTold, check_target
+from plumbline.adapters.rapier.led import Led
 from plumbline.harness.adapter import Diverged, Notice, Settings, Unsupported
 from plumbline.harness.adapter.motors import drive_motor
 from plumbline.harness.adapter.what_goes_in import check_state, check_targets, check_velocities, check_wrench
@@ -46,6 +47,8 @@ class RapierSimulation:
             <= GREATEST
         )
         self._hooks = contents.world.physics_hooks
+        on_path = used.options["on_path"]
+        self._led = {k: Led.of(b) for k, b in enumerate(scene.bodies) if on_path and b.motion == "kinematic"}
         self._begun = False
         self._see()
 
@@ -69,8 +72,13 @@ class RapierSimulation:
         if self._beyond:
             raise Diverged(f"Rapier: a number of the start is beyond {GREATEST:g}, where the squares of single precision end")
         world, self._begun = self._contents.world, self._begun or count > 0
+        dt, led = world.integration_parameters.dt, [(self._views[self._moving.index(k)], each) for k, each in self._led.items()]
         for _ in range(count):
+            for view, each in led:
+                each.put_back(self._contents.rapier, view)
             world.step()
+            for _, each in led:
+                each.go(dt)
             if not world.quarantine.is_empty:
                 raise Diverged("Rapier: a body's pose or velocity stopped being finite; it was put back and disabled")
 
@@ -161,8 +169,11 @@ class RapierSimulation:
         """Set v_WB and w_WB of kinematic bodies."""
         check_velocities(self._scene, velocities)
         for name, (v, w) in velocities.items():
-            view = self._views[self._moving.index(self._scene.index(name))]
+            number = self._scene.index(name)
+            view = self._views[self._moving.index(number)]
             view.linvel, view.angvel = tuple(map(float, v)), tuple(map(float, w))
+            if number in self._led:
+                self._led[number].v, self._led[number].w = np.array(v, dtype=np.float64), np.array(w, dtype=np.float64)
 
     def wrench(self, f_B_W: Floats, tau_B_W: Floats) -> None:
         """Forces [N] and torques [N m] in W on each body, shapes (n, 3), that act from now on."""
@@ -182,11 +193,12 @@ class RapierSimulation:
 
     def save(self) -> object:
         """The vendor's snapshot of the world."""
-        return self._contents.world.snapshot(), self._begun
+        return self._contents.world.snapshot(), self._begun, {k: replace(led) for k, led in self._led.items()}
 
     def restore(self, saved: object) -> None:
         """Back to a saved state: a new world with the same handles, without hooks, which are set again."""
-        snapshot, self._begun = cast(tuple[bytes, bool], saved)
+        snapshot, self._begun, led = cast(tuple[bytes, bool, dict[int, Led]], saved)
+        self._led = {k: replace(each) for k, each in led.items()}
         self._contents.world = self._contents.rapier.PhysicsWorld.restore(snapshot)
         if self._hooks is not None:
             self._contents.world.physics_hooks = self._hooks

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from plumbline.harness.adapter.reduced_trees import Tree
+from plumbline.harness.adapter.reduced_trees import JointTree
 from plumbline.harness.scene import Scene
 from plumbline.harness.trajectory import State
 from plumbline.harness.trajectory.joint_states import joint_states
@@ -13,7 +13,9 @@ PRIMING = 1e-9
 1e-20, whose square is no number of single precision, an undamped spring of 80 N/m lost 9 % of its energy in 0.8 s."""
 
 
-def put_trees(world: Any, scene: Scene, trees: Sequence[Tree], root: Callable[[str], Any], link: Callable[..., Any]) -> None:
+def put_trees(
+    world: Any, scene: Scene, trees: Sequence[JointTree], root: Callable[[str], Any], link: Callable[..., Any]
+) -> None:
     """Insert the joints of trees with the velocities of the start.
 
     Args: root: the handle that a tree's root has. link: inserts a joint towards the body of that name, whose parent is the root

@@ -3,8 +3,8 @@
 from typing import TYPE_CHECKING
 
 from plumbline.adapters.reference.batch import ReferenceBatch
-from plumbline.adapters.reference.choose_solver import suited
-from plumbline.adapters.reference.options import SUITED, engine_options, resolved_settings, steps_in
+from plumbline.adapters.reference.choose_solver import on_feet, suited
+from plumbline.adapters.reference.options import EULER, SOFT, SUITED, engine_options, resolved_settings, steps_in
 from plumbline.adapters.reference.simulation import ReferenceSimulation
 from plumbline.adapters.reference.world import make_world
 from plumbline.harness.adapter import Settings
@@ -54,6 +54,10 @@ def _world(scene: Scene, settings: Settings) -> "tuple[engine.World, engine.Opti
 
     Raises: Unsupported, SettingsError.
     """
-    settled, world = suited(scene, settings) if settings.solver == SUITED else (settings, None)
+    settled, world = settings, None
+    if settings.solver == SUITED:
+        settled, world = suited(scene, settings)
+    elif settings.substeps is None and settings.solver in (None, SOFT) and settings.integrator in (None, EULER):
+        settled, world = on_feet(scene, settings)
     options = engine_options(scene, settled)
     return world or make_world(scene, options), options

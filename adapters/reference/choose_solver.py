@@ -5,10 +5,12 @@ from math import ceil, sqrt
 from typing import TYPE_CHECKING
 
 from plumbline.adapters.reference.options import (
+    EULER,
     EXACT,
     SEQUENTIAL,
     SOFT,
     SOFT_OPTIONS,
+    SWEEPS,
     UNSET,
     UNSUBSTEPPED,
     WHOLE_STEPS,
@@ -29,7 +31,7 @@ from plumbline.harness.scene import Effect, Scene
 if TYPE_CHECKING:
     from plumbline import engine
 
-__all__ = ["suited"]
+__all__ = ["on_feet", "suited"]
 
 DEEP = 0.05
 """Share of the half width of the thinner body [1] beyond which an overlap at the start is worked off by `SEQUENTIAL`."""
@@ -68,10 +70,8 @@ def suited(scene: Scene, settings: Settings) -> "tuple[Settings, engine.World | 
     Trees of joints: the track asks for joint coordinates, in which semi-implicit Euler is the same motion and Runge-Kutta one
     of the same order, at a fraction of the time (docs/decisions/0020 says where its constants are larger).
 
-    Trees of joints that touch something: joint coordinates know contacts under semi-implicit Euler alone, and what a tree does
-    to its contacts is answered whole in a sub-step of any length: as many are taken as unlike masses call for, r = n^2, and
-    else one for `MERGED` of those asked for, a single one with twice the sweeps. At half of the time stands err from a quarter
-    to five times as much as in four sub-steps of two (docs/decisions/0022).
+    Trees of joints that touch something: `on_feet`. At half of the time stands err from a quarter to five times as much as in
+    four sub-steps of two (docs/decisions/0022).
 
     Bodies inside each other: a spring gives them the speed of its push, which relaxing sweeps take away in part only.
     Sequential impulses correct positions apart from velocities; they leave a tenth of the margin as it is, which is made
@@ -80,16 +80,11 @@ def suited(scene: Scene, settings: Settings) -> "tuple[Settings, engine.World | 
     effects = scene.effects
     laws = ("friction_loss", "speed_limit")
     if settings.integrator == "rk4" and any(getattr(joint, law, None) for joint in scene.joints for law in laws):
-        settings = replace(settings, integrator="semi_implicit_euler")
+        settings = replace(settings, integrator=EULER)
     springs = replace(settings, solver=SOFT)
-    if (Effect.CONTACT | Effect.JOINTS) in effects and settings.integrator in ("rk4", "semi_implicit_euler"):
-        asked = settings.substeps or UNSUBSTEPPED
-        substeps = min(asked, max(1, asked // MERGED, ceil(sqrt(mass_ratio(scene)))))
-        feet = replace(springs, integrator="semi_implicit_euler", substeps=substeps)
-        if substeps == 1 and settings.iterations:
-            feet = replace(feet, iterations=2 * settings.iterations)
-        world = make_world(scene, engine_options(scene, feet))
-        if world.in_joint_coordinates:
+    if settings.integrator in ("rk4", EULER):
+        feet, world = on_feet(scene, replace(springs, integrator=EULER))
+        if world is not None:
             return feet, world
     kept = {name: value for name, value in settings.options.items() if name not in SOFT_OPTIONS}
     substeps = settings.substeps or UNSUBSTEPPED
@@ -119,6 +114,24 @@ def suited(scene: Scene, settings: Settings) -> "tuple[Settings, engine.World | 
         return springs, None
     world.restore(start)
     return springs, world
+
+
+def on_feet(scene: Scene, settings: Settings) -> "tuple[Settings, engine.World | None]":
+    """The settings in fewer sub-steps, and a world under them, where trees of joints may touch something; else None.
+
+    Joint coordinates know contacts under semi-implicit Euler alone, and what a tree does to its contacts is answered whole in a
+    sub-step of any length: as many are taken as unlike masses call for, r = n^2, and else one for `MERGED` of those asked for,
+    a single one with twice the sweeps.
+    """
+    if (Effect.CONTACT | Effect.JOINTS) not in scene.effects or WHOLE_STEPS in settings.options:
+        return settings, None
+    asked = settings.substeps or UNSUBSTEPPED
+    substeps = min(asked, max(1, asked // MERGED, ceil(sqrt(mass_ratio(scene)))))
+    few = replace(settings, substeps=substeps)
+    if substeps == 1:
+        few = replace(few, iterations=2 * (settings.iterations or SWEEPS))
+    world = make_world(scene, engine_options(scene, few))
+    return (few, world) if world.in_joint_coordinates else (settings, None)
 
 
 def _outpaced(scene: Scene, settings: Settings) -> bool:

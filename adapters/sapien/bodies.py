@@ -1,5 +1,6 @@
 """Bodies with their mass and shapes, in SAPIEN's words."""
 
+import itertools
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -28,6 +29,8 @@ from plumbline.harness.scene import (
     Vector3,
     axis_angle,
     multiply,
+    outer_radius,
+    rotate,
 )
 
 _Z_FROM_X: Quaternion = (math.sqrt(0.5), 0.0, -math.sqrt(0.5), 0.0)
@@ -36,11 +39,17 @@ _UNCAPPED = 1e16
 """A rate [rad/s, 1/s] that nothing reaches."""
 MOST_CORNERS = 255
 """Of a convex hull; with more PhysX cooks another one."""
+REACH = 100.0
+"""How far [m] the box that stands for a plane goes on beyond all that moves at the start: further, single precision shows."""
 
 
 @dataclass(frozen=True, slots=True)
 class Bodies:
-    """Makes the components of bodies. Terms: materials, patches: by kind. groups: by material, type and affinity."""
+    """Makes the components of bodies.
+
+    Terms: materials, patches: by kind. groups: by material, type and affinity. slab: half the edge [m] of the box that stands
+    for each plane, 0 where planes are planes.
+    """
 
     sapien: Any
     effects: Effect
@@ -48,6 +57,7 @@ class Bodies:
     materials: Mapping[Kind, Any]
     groups: Mapping[str, tuple[int, int]]
     patches: Mapping[Kind, float]
+    slab: float = 0.0
 
     def entity(self, body: Body, component: Any, number: int, ignored: tuple[int, int] = (0, 0)) -> Any:
         """An entity of this component with the body's shapes, named by its number.
@@ -92,7 +102,11 @@ class Bodies:
         """The shapes of a body, weightless."""
         for placed in body.collision:
             shape, q_SC = self._shape(placed.shape, material)
-            shape.local_pose = pose(self.sapien, placed.p_BS, multiply(placed.q_BS, q_SC))
+            p_BS = placed.p_BS
+            if isinstance(placed.shape, Plane) and self.slab:
+                x, y, z = rotate(placed.q_BS, placed.shape.normal)
+                p_BS = p_BS[0] - self.slab * x, p_BS[1] - self.slab * y, p_BS[2] - self.slab * z
+            shape.local_pose = pose(self.sapien, p_BS, multiply(placed.q_BS, q_SC))
             shape.density = 0.0
             yield shape
 
@@ -108,6 +122,8 @@ class Bodies:
                 return physx.PhysxCollisionShapeCapsule(shape.radius, shape.half_length, material), _Z_FROM_X
             case Cylinder():
                 return physx.PhysxCollisionShapeCylinder(shape.radius, shape.half_length, material), _Z_FROM_X
+            case Plane() if self.slab:
+                return physx.PhysxCollisionShapeBox([self.slab] * 3, material), _from_x(shape.normal)
             case Plane():
                 return physx.PhysxCollisionShapePlane(material), _from_x(shape.normal)
             case ConvexHull():
@@ -122,17 +138,44 @@ class Bodies:
 def check_body(body: Body) -> None:
     """Raises: Unsupported, for shapes that PhysX has not, and for no mass."""
     if body.massless:
-        raise Unsupported(f"body '{body.name}' without mass", "the adapter tells PhysX bodies with mass alone")
+        raise Unsupported(f"body '{body.name}' without mass", "PhysX takes a link without mass for one of a kilogram")
     for placed in body.collision:
         match placed.shape:
             case Ellipsoid():
                 raise Unsupported(f"ellipsoid of body '{body.name}'", "PhysX has no such shape")
-            case TriangleMesh() if body.movable:
-                raise Unsupported(f"mesh of moving body '{body.name}'", "PhysX collides moving meshes on a GPU alone")
             case ConvexHull(vertices=corners) if len(corners) > MOST_CORNERS:
                 raise Unsupported(
                     f"hull of {len(corners)} corners of body '{body.name}'", f"PhysX cooks hulls of {MOST_CORNERS} at most"
                 )
+
+
+def has_mesh(body: Body) -> bool:
+    """Is one of its shapes a mesh of triangles?"""
+    return any(isinstance(placed.shape, TriangleMesh) for placed in body.collision)
+
+
+def slab_of(scene: Scene) -> float:
+    """Half the edge [m] of the box that stands for a plane where a mesh moves; 0 where none does.
+
+    Raises: Unsupported, of two meshes of which one moves, that may meet.
+    """
+    if Effect.CONTACT not in scene.effects:
+        return 0.0
+    meshes = [body for body in scene.bodies if has_mesh(body)]
+    for body, other in itertools.combinations(meshes, 2):
+        if (body.motion != "static" or other.motion != "static") and scene.collides(body, other):
+            raise Unsupported(
+                f"meshes of bodies '{body.name}' and '{other.name}'", "PhysX lets two meshes pass through each other on a CPU"
+            )
+    if all(body.motion == "static" for body in meshes):
+        return 0.0
+    far = (
+        math.hypot(*body.p_WB) + math.hypot(*placed.p_BS) + outer_radius(placed.shape)
+        for body in scene.bodies
+        for placed in body.collision
+        if not isinstance(placed.shape, Plane)
+    )
+    return REACH + max(far)
 
 
 def _from_x(normal: Vector3) -> Quaternion:

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from plumbline.adapters.sapien.bodies import Bodies, check_body
+from plumbline.adapters.sapien.bodies import Bodies, check_body, slab_of
 from plumbline.adapters.sapien.joints import Articulated, constrain, holder
 from plumbline.adapters.sapien.options import resolved_settings
 from plumbline.adapters.sapien.simulation import SapienSimulation, World
@@ -15,8 +15,8 @@ from plumbline.adapters.sapien.vendor import new_world
 from plumbline.harness.adapter import Notice, Settings, Unsupported
 from plumbline.harness.adapter.carried_laws import refuse_tendons
 from plumbline.harness.adapter.distance_springs import DistanceSprings, is_distance_spring
-from plumbline.harness.adapter.reduced_trees import Tree, trees_of
-from plumbline.harness.scene import WORLD, Effect, Joint, Scene
+from plumbline.harness.adapter.reduced_trees import JointTree, trees_of
+from plumbline.harness.scene import WORLD, Effect, Joint, Plane, Scene
 
 IGNORED = 32
 """Bits by which shapes of one group ignore each other."""
@@ -43,11 +43,15 @@ def build(sapien: Any, scene: Scene, settings: Settings) -> SapienSimulation:
     world = World(sapien, *new_world(sapien, gravity, used))
     if Effect.JOINTS in effects:
         world.springs = DistanceSprings.of(scene, scene.joints, used.substep)
-    bodies = Bodies(sapien, effects, used, materials_of(sapien, scene), groups_of(scene), patches)
+    bodies = Bodies(sapien, effects, used, materials_of(sapien, scene), groups_of(scene), patches, slab_of(scene))
     _Builder(world, scene, bodies, trees_of(scene, joints)).build(joints, used.options["capped"])
     if Effect.CONTACT not in effects:
         world.shape = lambda: bodies.shape_for_rays(scene, world.components)
     _notice(world, scene, effects, used)
+    if bodies.slab and any(isinstance(placed.shape, Plane) for body in scene.bodies for placed in body.collision):
+        world.notices.append(
+            Notice(f"a box of {2 * bodies.slab:.4g} m stands for each plane: meshes that move fall through planes")
+        )
     return SapienSimulation(scene, used, world)
 
 
@@ -63,7 +67,7 @@ class _Builder:
     world: World
     scene: Scene
     bodies: Bodies
-    trees: list[Tree]
+    trees: list[JointTree]
     names: dict[str, Any] = field(default_factory=dict)
     ignored: Mapping[str, tuple[int, int]] = field(default_factory=dict)
 

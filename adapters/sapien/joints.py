@@ -11,8 +11,8 @@ from plumbline.adapters.sapien.vendor import pose
 from plumbline.harness.adapter import Unsupported
 from plumbline.harness.adapter.carried_laws import carried, refuse_armature, refuse_speed_limit
 from plumbline.harness.adapter.joint_frames import joint_frames, within
-from plumbline.harness.adapter.motors import Motor, drive_motor
-from plumbline.harness.adapter.reduced_trees import Tree
+from plumbline.harness.adapter.motors import Motor, drive_motor, motors_of
+from plumbline.harness.adapter.reduced_trees import JointTree
 from plumbline.harness.scene import WORLD, Ball, Distance, Drive, Effect, Fixed, Joint, Prismatic, Revolute, Scene, Spring
 from plumbline.harness.trajectory import State
 from plumbline.harness.trajectory.joint_states import joint_states
@@ -65,7 +65,7 @@ class Articulated:
     link: Callable[[str, Any], Any]
     driven: dict[str, Driven] = field(default_factory=dict)
 
-    def put(self, world: Any, tree: Tree) -> dict[str, Any]:
+    def put(self, world: Any, tree: JointTree) -> dict[str, Any]:
         """The links of a tree by the names of their bodies, with the velocities of the start. Raises: Unsupported."""
         component, scene = self.sapien.physx.PhysxArticulationLinkComponent, self.scene
         still = tree.root == WORLD or scene.body(tree.root).motion == "static"
@@ -115,7 +115,9 @@ class Articulated:
         drive = drive_motor(joint.drive, joint.drive.target, joint.position) if driven else None
         if joint.spring is not None and drive is not None and drive.limit is not None:
             raise Unsupported(f"joint '{joint.name}': a spring beside a drive with a limit", "a joint of PhysX has one drive")
-        motor = one_motor(drive, joint.spring, joint.position)
+        if joint.friction_loss and (joint.spring is not None or drive is not None):
+            raise Unsupported(f"joint '{joint.name}': friction_loss beside a spring or drive", "a joint of PhysX has one drive")
+        (motor,) = motors_of(joint, Effect.JOINTS) if joint.friction_loss else (one_motor(drive, joint.spring, joint.position),)
         link_joint.set_drive_property(
             motor.stiffness, motor.damping, _INFINITE if motor.limit is None else motor.limit, "force"
         )
@@ -124,7 +126,7 @@ class Articulated:
         if driven:
             self.driven[joint.name] = Driven(link_joint, joint.drive, joint.spring, joint.position)
 
-    def _set_rates(self, articulation: Any, tree: Tree, still: bool) -> None:
+    def _set_rates(self, articulation: Any, tree: JointTree, still: bool) -> None:
         scene, start = self.scene, State.initial(self.scene)
         rate = dict(zip((joint.name for joint in scene.joints), joint_states(scene, start).rate.tolist(), strict=True))
         if not still:
@@ -149,8 +151,6 @@ def check_laws(joint: Revolute | Prismatic) -> None:
             f"joint '{joint.name}': coupling to '{joint.coupling.joint}'",
             "SAPIEN ties two hinges by a gear and the joints of an articulation by a spring",
         )
-    if joint.friction_loss:
-        raise Unsupported(f"joint '{joint.name}': friction_loss", "the friction of PhysX's joints grows with what they bear")
 
 
 def constrain(sapien: Any, scene: Scene, joint: Joint, bodies: Mapping[str, Any], child: Any) -> list[Any]:
@@ -192,7 +192,10 @@ def _touch(scene: Scene, joint: Joint) -> bool:
 def _bound(constraint: Any, joint: Distance) -> None:
     """A rod or a range. Raises: Unsupported."""
     if joint.spring is not None:
-        raise Unsupported(f"distance joint '{joint.name}'", "limits of PhysX's distance are hard or a spring, not both")
+        raise Unsupported(
+            f"distance joint '{joint.name}'",
+            "limits of a distance joint of PhysX are hard or a spring, and the adapter makes one",
+        )
     length = math.dist(joint.anchor_W, joint.child_anchor_W)
     if joint.limits is not None:
         upper = joint.limits.upper
@@ -210,7 +213,8 @@ def _lock(constraint: Any, joint: Any) -> None:
         check_laws(joint)
     if laws:
         raise Unsupported(
-            f"joint '{joint.name}': {laws[0]}", "drives of SAPIEN's constraints miss their law by 5 %; joints in trees have it"
+            f"joint '{joint.name}': {laws[0]}",
+            "drives of SAPIEN's constraints exceed their law under TGS, and limit an impulse; joints in trees have it",
         )
     low, high = (None, None)
     if getattr(joint, "limits", None) is not None:
@@ -227,10 +231,11 @@ def _lock(constraint: Any, joint: Any) -> None:
     if not isinstance(joint, Revolute):
         constraint.set_limit_twist(0.0, 0.0)
     elif joint.limits is not None:
-        low_end, high_end = (float(np.clip(end, -2 * math.pi + 1e-3, 2 * math.pi - 1e-3)) for end in ends)
-        if high_end - low_end >= 2 * math.pi:
-            raise Unsupported(f"joint '{joint.name}': limits", "PhysX counts the angle of a constraint modulo a turn")
-        constraint.set_limit_twist(low_end, high_end)
+        if not max(map(abs, ends)) < math.pi:
+            raise Unsupported(
+                f"joint '{joint.name}': limits", "a stop of a constraint of PhysX beyond half a turn holds nothing"
+            )
+        constraint.set_limit_twist(*ends)
 
 
 def holder(joint: Joint, movable: Sequence[str]) -> str:

@@ -7,21 +7,14 @@ import math
 
 from plumbline.engine.articulated import tables as tree
 from plumbline.engine.articulated.articulated_body import transmitted
-from plumbline.engine.articulated.motion import move_links
+from plumbline.engine.articulated.motion import move_links, rates_of
 from plumbline.engine.articulated.tables import Tables
 from plumbline.engine.articulated.ties import follow_coordinates, follow_rates
 from plumbline.engine.compile.jit import kernel
-from plumbline.engine.maths.rows import Vec, load3, load4, load9, store3, store4
+from plumbline.engine.maths.rows import Floats, load3, load4, load9, store3, store4
 from plumbline.engine.maths.vec import add, axpy, cross, mat_vec, neg, quat_turn, quat_unit, sub
 from plumbline.engine.memory import arena as at
 from plumbline.engine.memory.tables import Bodies, Joints
-
-
-@kernel
-def rates_of(tables: Tables, k: int) -> Vec:
-    """The rates of three columns from k on."""
-    column = tables.column
-    return column[k, tree.RATE], column[k + 1, tree.RATE], column[k + 2, tree.RATE]
 
 
 @kernel
@@ -52,12 +45,20 @@ def drift_coordinates(tables: Tables, h: float) -> None:
 
 
 @kernel
-def is_finite_forest(tables: Tables) -> bool:
-    """Whether every coordinate and rate is finite."""
+def is_finite_forest(tables: Tables, state: Floats) -> bool:
+    """Whether every coordinate and rate is finite, and every number of the state of a body that no tree has."""
+    # Sums of a row do not wait for each other.
     total = 0.0
     for i in range(tables.coordinate.shape[0]):
+        row = 0.0
         for c in range(7):
-            total += 0.0 * tables.coordinate[i, c]
+            row += 0.0 * tables.coordinate[i, c]
+        total += row
+    for n in range(tables.other.shape[0]):
+        row = 0.0
+        for c in range(13):
+            row += 0.0 * state[tables.other[n, 0], c]
+        total += row
     for k in range(tables.column.shape[0]):
         total += 0.0 * tables.column[k, tree.RATE]
     return math.isfinite(total)

@@ -45,10 +45,9 @@ def mat_less(m: Mat, v: Vec, w: Vec, f: float) -> Mat:
 
 
 @kernel
-def add_row(body: Floats, parent: int, i: int) -> None:
-    """Add inertia and force of link i to those of its parent."""
-    for c in range(tree.FORCE + 6):
-        body[parent, c] += body[i, c]
+def add3(a: Floats, i: int, c: int, v: Vec) -> None:
+    """Add a vector to row i from column c on."""
+    store3(a, i, c, add(load3(a, i, c), v))
 
 
 @kernel
@@ -87,20 +86,27 @@ def inwards(tables: Tables, biased: bool) -> None:
         store3(body, i, tree.FORCE + 3, force)
         if parent < 0:
             continue
-        add_row(body, parent, i)
         if biased:
             bias_w, bias_v = load3(tables.motion, i, tree.BIAS), load3(tables.motion, i, tree.BIAS + 3)
-            more_w = add(sym_vec(rotation, bias_w), mat_vec(coupling, bias_v))
-            more_v = add(tmat_vec(coupling, bias_w), sym_vec(translation, bias_v))
-            store3(body, parent, tree.FORCE, add(load3(body, parent, tree.FORCE), more_w))
-            store3(body, parent, tree.FORCE + 3, add(load3(body, parent, tree.FORCE + 3), more_v))
+            torque = add(torque, add(sym_vec(rotation, bias_w), mat_vec(coupling, bias_v)))
+            force = add(force, add(tmat_vec(coupling, bias_w), sym_vec(translation, bias_v)))
+        add3(body, parent, tree.ROTATION, (rotation[0], rotation[1], rotation[2]))
+        add3(body, parent, tree.ROTATION + 3, (rotation[3], rotation[4], rotation[5]))
+        add3(body, parent, tree.TRANSLATION, (translation[0], translation[1], translation[2]))
+        add3(body, parent, tree.TRANSLATION + 3, (translation[3], translation[4], translation[5]))
+        add3(body, parent, tree.COUPLING, (coupling[0], coupling[1], coupling[2]))
+        add3(body, parent, tree.COUPLING + 3, (coupling[3], coupling[4], coupling[5]))
+        add3(body, parent, tree.COUPLING + 6, (coupling[6], coupling[7], coupling[8]))
+        add3(body, parent, tree.FORCE, torque)
+        add3(body, parent, tree.FORCE + 3, force)
 
 
 @kernel
-def before_joint(tables: Tables, i: int) -> tuple[Vec, Vec]:
-    """The spatial acceleration of link i but for that along its own columns."""
-    motion, parent = tables.motion, tables.kind[i, tree.PARENT]
-    a_w, a_v = load3(motion, i, tree.BIAS), load3(motion, i, tree.BIAS + 3)
+def before_joint(tables: Tables, i: int, biased: bool) -> tuple[Vec, Vec]:
+    """The spatial acceleration of link i but for that along its own columns. Args: as `inwards`."""
+    motion, parent, a_w, a_v = tables.motion, tables.kind[i, tree.PARENT], STILL, STILL
+    if biased:
+        a_w, a_v = load3(motion, i, tree.BIAS), load3(motion, i, tree.BIAS + 3)
     if parent >= 0:
         a_w = add(a_w, load3(motion, parent, tree.ACCELERATION))
         a_v = add(a_v, load3(motion, parent, tree.ACCELERATION + 3))
@@ -108,12 +114,12 @@ def before_joint(tables: Tables, i: int) -> tuple[Vec, Vec]:
 
 
 @kernel
-def outwards(tables: Tables) -> None:
-    """Write the acceleration of every link and the change of every column's rate."""
+def outwards(tables: Tables, biased: bool) -> None:
+    """Write the acceleration of every link and the change of every column's rate. Args: as `inwards`."""
     column, kind = tables.column, tables.kind
     for i in range(kind.shape[0]):
         first = kind[i, tree.FIRST]
-        a_w, a_v = before_joint(tables, i)
+        a_w, a_v = before_joint(tables, i, biased)
         for k in range(first, first + kind[i, tree.COLUMNS]):
             if column[k, tree.ADDED] != math.inf:
                 taken = dot(load3(column, k, tree.PULL), a_w) + dot(load3(column, k, tree.PULL + 3), a_v)
@@ -132,7 +138,7 @@ def accelerations(tables: Tables, biased: bool) -> None:
     if tables.tie.shape[0] > 0:
         factor_ties(tables)
         pull_ties(tables, True)
-    outwards(tables)
+    outwards(tables, biased)
 
 
 @kernel
@@ -153,8 +159,8 @@ def forces_inwards(tables: Tables) -> None:
         store3(body, i, tree.FORCE, torque)
         store3(body, i, tree.FORCE + 3, force)
         if parent >= 0:
-            store3(body, parent, tree.FORCE, add(load3(body, parent, tree.FORCE), torque))
-            store3(body, parent, tree.FORCE + 3, add(load3(body, parent, tree.FORCE + 3), force))
+            add3(body, parent, tree.FORCE, torque)
+            add3(body, parent, tree.FORCE + 3, force)
 
 
 @kernel
@@ -170,10 +176,7 @@ def answer_forces(tables: Tables, h: float) -> tuple[float, float]:
     motion, column, kind = tables.motion, tables.column, tables.kind
     largest, fastest = 0.0, 0.0
     for i in range(kind.shape[0]):
-        a_w, a_v = STILL, STILL
-        if kind[i, tree.PARENT] >= 0:
-            a_w = load3(motion, kind[i, tree.PARENT], tree.ACCELERATION)
-            a_v = load3(motion, kind[i, tree.PARENT], tree.ACCELERATION + 3)
+        a_w, a_v = before_joint(tables, i, False)
         for k in range(kind[i, tree.FIRST], kind[i, tree.FIRST] + kind[i, tree.COLUMNS]):
             if column[k, tree.ADDED] != math.inf:
                 taken = dot(load3(column, k, tree.PULL), a_w) + dot(load3(column, k, tree.PULL + 3), a_v)
@@ -200,7 +203,7 @@ def transmitted(tables: Tables, i: int) -> tuple[Vec, Vec]:
 
     The links without mass between the columns hand it on as it is: so it is I a + p of the innermost, as `inwards` left them.
     """
-    a_w, a_v = before_joint(tables, i)
+    a_w, a_v = before_joint(tables, i, True)
     return needed_by(tables.body, i, a_w, a_v)
 
 

@@ -82,4 +82,5 @@ def take_jumps(tables: Tables, bodies: Bodies, joints: Joints) -> bool:
     accelerations(tables, True)
     for k in range(column.shape[0]):
         column[k, tree.RATE] += column[k, tree.CHANGE]
+    weigh_links(tables)
     return True

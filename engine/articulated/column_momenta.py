@@ -11,19 +11,16 @@ Lubich, Wanner, Geometric Numerical Integration, section VI.1 (Hamilton's equati
 """
 
 from plumbline.engine.articulated import tables as tree
-from plumbline.engine.articulated.advance import rates_of
 from plumbline.engine.articulated.articulated_body import accelerations
 from plumbline.engine.articulated.bases import free_columns
 from plumbline.engine.articulated.forces import weigh_links
-from plumbline.engine.articulated.motion import base_of, move_links
+from plumbline.engine.articulated.motion import carrier, move_links
 from plumbline.engine.articulated.tables import Tables
 from plumbline.engine.compile.jit import kernel
-from plumbline.engine.maths.rows import Floats, Vec, load3, load6, load9, store3
+from plumbline.engine.maths.rows import Floats, load3, load6, load9, store3
 from plumbline.engine.maths.vec import add, axpy, cross, dot, scale, sym_rotate, sym_vec
 from plumbline.engine.memory import arena as at
 from plumbline.engine.memory.tables import Bodies, Joints
-
-STILL: Vec = (0.0, 0.0, 0.0)
 
 
 @kernel
@@ -47,19 +44,6 @@ def load_wholes(tables: Tables, bodies: Bodies, setting: Floats, gyroscopic: int
 
 
 @kernel
-def carrier(tables: Tables, bodies: Bodies, i: int) -> tuple[Vec, Vec]:
-    """The spatial velocity of what carries the axes of link i."""
-    if tables.kind[i, tree.TYPE] == tree.FREE:
-        # The axes of its turning go with its centre of mass.
-        return STILL, rates_of(tables, tables.kind[i, tree.FIRST] + 3)
-    parent = tables.kind[i, tree.PARENT]
-    if parent >= 0:
-        return load3(tables.motion, parent, tree.VELOCITY), load3(tables.motion, parent, tree.VELOCITY + 3)
-    _q, w, v, _a = base_of(tables, bodies.state, i)
-    return w, v
-
-
-@kernel
 def column_momenta(tables: Tables, bodies: Bodies, joints: Joints, setting: Floats, gyroscopic: int) -> None:
     """Write the momentum of every column, and into BESIDE what changes it beside the laws, where links are and move now."""
     passage, column, kind = tables.passage, tables.column, tables.kind
@@ -67,7 +51,7 @@ def column_momenta(tables: Tables, bodies: Bodies, joints: Joints, setting: Floa
     for i in range(kind.shape[0] - 1, -1, -1):
         spin, momentum = load3(passage, i, tree.WHOLE_MOMENTUM), load3(passage, i, tree.WHOLE_MOMENTUM + 3)
         torque, force = load3(passage, i, tree.WHOLE_FORCE), load3(passage, i, tree.WHOLE_FORCE + 3)
-        w, v = carrier(tables, bodies, i)
+        w, v, _a = carrier(tables, bodies.state, i)
         for k in range(kind[i, tree.FIRST], kind[i, tree.FIRST] + kind[i, tree.COLUMNS]):
             turning, sliding = load3(column, k, tree.AXIS_W), load3(column, k, tree.AXIS_W + 3)
             column[k, tree.MOMENTUM] = dot(turning, spin) + dot(sliding, momentum)

@@ -272,7 +272,7 @@ def touching_substep(
     breaks = write_laws(tables, joints, h, PRESSED)
     for turn in range(MOST_TURNS if breaks > 0 else 1):
         if turn > 0:
-            if are_settled(tables, joints, h):
+            if are_settled(tables, joints, setting, h):
                 break
             start_again(tables, bodies, joints, setting, h, gyroscopic, PRESSED, reactions)
         if not settle_laws(tables, bodies, joints, setting, h, gyroscopic, PRESSED, breaks):
@@ -285,7 +285,7 @@ def touching_substep(
         if turn == 0 and stands(tables, h):
             bend_links(tables, bodies, h)
         else:
-            close_bends(tables, bodies, joints, h, reactions)
+            close_bends(tables, bodies, joints, setting, h, reactions)
     drift_coordinates(tables, h)
     carry_bases(tables, bodies, h)
     move_others(tables, bodies, setting, h, gyroscopic, drifts=True)

@@ -10,6 +10,7 @@ Source: Featherstone, Rigid Body Dynamics Algorithms, 2008, sections 2.13 (inert
 """
 
 from plumbline.engine.articulated import tables as tree
+from plumbline.engine.articulated.motion import write_bias
 from plumbline.engine.articulated.tables import Tables
 from plumbline.engine.compile.jit import kernel
 from plumbline.engine.maths.rows import Floats, Sym, Vec, load3, load6, load9, store3, store6, store9
@@ -36,7 +37,7 @@ def put_inertia(body: Floats, i: int, inertia: Sym, m: float, r: Vec) -> None:
 
 @kernel
 def load_links(tables: Tables, bodies: Bodies, setting: Floats, gyroscopic: int) -> None:
-    """Write inertia and force of every link under gravity, loads and damping."""
+    """Write inertia, bias and force of every link under gravity, loads and damping."""
     link, motion, body = tables.link, tables.motion, tables.body
     g = load3(setting, 0, at.GRAVITY)
     for i in range(link.shape[0]):
@@ -53,6 +54,7 @@ def load_links(tables: Tables, bodies: Bodies, setting: Floats, gyroscopic: int)
         store3(body, i, tree.FORCE, add(torque, cross(r, f)))
         store3(body, i, tree.FORCE + 3, f)
         put_inertia(body, i, inertia, m, r)
+        write_bias(tables, bodies.state, i)
 
 
 @kernel

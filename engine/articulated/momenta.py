@@ -89,7 +89,9 @@ def begin_momenta(tables: Tables, bodies: Bodies, gyroscopic: int) -> None:
     move_links(tables, bodies.state)
     for i in range(tables.passage.shape[0]):
         for c in range(6):
-            tables.passage[i, tree.BEND + c] = tables.passage[i, tree.LAST_BEND + c] = 0.0
+            for bend in (tree.BEND, tree.LAST_BEND, tree.EARLIER_BEND):
+                tables.passage[i, bend + c] = 0.0
+        tables.passage[i, tree.CONTRACTION] = 1.0
         inertia = sym_rotate(load9(tables.motion, i, tree.MATRIX), load6(tables.link, i, tree.INERTIA))
         store6(tables.passage, i, tree.TURNED_INERTIA, inertia)
     keep_momenta(tables, gyroscopic)
@@ -97,13 +99,13 @@ def begin_momenta(tables: Tables, bodies: Bodies, gyroscopic: int) -> None:
 
 @kernel
 def go_on_bending(tables: Tables) -> None:
-    """Expect the bend of every link to change by as much as over the last sub-step."""
+    """Expect of the bend of every link what a parabola through the last three says."""
     passage = tables.passage
     for i in range(passage.shape[0]):
         for c in range(6):
-            bend = passage[i, tree.BEND + c]
-            passage[i, tree.BEND + c] = 2.0 * bend - passage[i, tree.LAST_BEND + c]
-            passage[i, tree.LAST_BEND + c] = bend
+            bend, last = passage[i, tree.BEND + c], passage[i, tree.LAST_BEND + c]
+            passage[i, tree.BEND + c] = 3.0 * (bend - last) + passage[i, tree.EARLIER_BEND + c]
+            passage[i, tree.LAST_BEND + c], passage[i, tree.EARLIER_BEND + c] = bend, last
 
 
 @kernel
@@ -124,8 +126,6 @@ def load_momenta(tables: Tables, bodies: Bodies, setting: Floats, h: float, gyro
         torque = axpy(-link[i, tree.SPIN_SHARE], turned, sym_vec(inertia, w))
         put_force(tables, i, scale(1.0 / h, torque), scale(1.0 / h, axpy(-link[i, tree.SHARE], pushed, scale(m, v))))
         put_inertia(tables.body, i, inertia, m, load3(tables.motion, i, tree.PLACE))
-        for c in range(6):
-            tables.motion[i, tree.BIAS + c] = 0.0
 
 
 @kernel

@@ -48,6 +48,13 @@ def hinge_turn(tables: Tables, i: int, x: float) -> Quat:
 
 
 @kernel
+def rates_of(tables: Tables, k: int) -> Vec:
+    """The rates of three columns from k on."""
+    column = tables.column
+    return column[k, tree.RATE], column[k + 1, tree.RATE], column[k + 2, tree.RATE]
+
+
+@kernel
 def put_axis(column: Floats, k: int, angular: Vec, linear: Vec) -> None:
     """Write the motion along column k."""
     store3(column, k, tree.AXIS_W, angular)
@@ -69,15 +76,13 @@ def base_of(tables: Tables, state: Floats, i: int) -> tuple[Quat, Vec, Vec, Vec]
 
 @kernel
 def move_links(tables: Tables, state: Floats) -> None:
-    """Write pose, velocity and bias of every link and the axes of its columns, from coordinates, rates and the bases."""
+    """Write pose and velocity of every link and the axes of its columns, from coordinates, rates and the bases."""
     link, motion, column, coordinate = tables.link, tables.motion, tables.column, tables.coordinate
     for i in range(tables.kind.shape[0]):
         kind, parent, first = tables.kind[i, tree.TYPE], tables.kind[i, tree.PARENT], tables.kind[i, tree.FIRST]
-        bias = STILL
         if kind == tree.FREE:
             q = load4(coordinate, i, 0)
-            w = (column[first, tree.RATE], column[first + 1, tree.RATE], column[first + 2, tree.RATE])
-            v = (column[first + 3, tree.RATE], column[first + 4, tree.RATE], column[first + 5, tree.RATE])
+            w, v = rates_of(tables, first), rates_of(tables, first + 3)
             for k in range(3):
                 e = (EYE[3 * k], EYE[3 * k + 1], EYE[3 * k + 2])
                 put_axis(column, first + k, e, STILL)
@@ -88,8 +93,6 @@ def move_links(tables: Tables, state: Floats) -> None:
             store3(motion, i, tree.PLACE, STILL)
             store3(motion, i, tree.VELOCITY, w)
             store3(motion, i, tree.VELOCITY + 3, v)
-            store3(motion, i, tree.BIAS, STILL)
-            store3(motion, i, tree.BIAS + 3, neg(cross(w, v)))
             continue
         if parent >= 0:
             q_a, anchor = load4(motion, parent, tree.ORIENTATION), load3(motion, parent, tree.PLACE)
@@ -97,7 +100,7 @@ def move_links(tables: Tables, state: Floats) -> None:
             turn_a = load9(motion, parent, tree.MATRIX)
             anchor = add(anchor, mat_vec(turn_a, load3(link, i, tree.ANCHOR_A)))
         else:
-            q_a, w_a, v_a, bias = base_of(tables, state, i)
+            q_a, w_a, v_a, _a = base_of(tables, state, i)
             turn_a, anchor = turn_of(q_a), STILL
         turn_ab = load4(link, i, tree.TURN)
         w, v = w_a, v_a
@@ -126,10 +129,26 @@ def move_links(tables: Tables, state: Floats) -> None:
         store3(motion, i, tree.PLACE, sub(anchor, mat_vec(turn_b, load3(link, i, tree.ANCHOR_B))))
         store3(motion, i, tree.VELOCITY, w)
         store3(motion, i, tree.VELOCITY + 3, v)
-        if kind == at.FIXED:
-            store3(motion, i, tree.BIAS, STILL)
-            store3(motion, i, tree.BIAS + 3, bias)
-        else:
-            turning, sliding = sub(w, w_a), sub(v, v_a)
-            store3(motion, i, tree.BIAS, cross(w_a, turning))
-            store3(motion, i, tree.BIAS + 3, add(bias, add(cross(w_a, sliding), cross(v_a, turning))))
+
+
+@kernel
+def carrier(tables: Tables, state: Floats, i: int) -> tuple[Vec, Vec, Vec]:
+    """The spatial velocity of what carries the axes of link i, and the acceleration of its base at the tree's origin."""
+    parent, first = tables.kind[i, tree.PARENT], tables.kind[i, tree.FIRST]
+    if tables.kind[i, tree.TYPE] == tree.FREE:
+        # The axes of its turning go with its centre of mass.
+        return STILL, rates_of(tables, first + 3), STILL
+    if parent >= 0:
+        return load3(tables.motion, parent, tree.VELOCITY), load3(tables.motion, parent, tree.VELOCITY + 3), STILL
+    _q, w, v, a = base_of(tables, state, i)
+    return w, v, a
+
+
+@kernel
+def write_bias(tables: Tables, state: Floats, i: int) -> None:
+    """Write the acceleration that velocities alone give link i against its parent."""
+    motion, (w_a, v_a, a) = tables.motion, carrier(tables, state, i)
+    turning = sub(load3(motion, i, tree.VELOCITY), w_a)
+    sliding = sub(load3(motion, i, tree.VELOCITY + 3), v_a)
+    store3(motion, i, tree.BIAS, cross(w_a, turning))
+    store3(motion, i, tree.BIAS + 3, add(a, add(cross(w_a, sliding), cross(v_a, turning))))

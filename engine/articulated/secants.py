@@ -13,11 +13,12 @@ import math
 from typing import Final
 
 from plumbline.engine.articulated import tables as tree
-from plumbline.engine.articulated.advance import rates_of
 from plumbline.engine.articulated.momenta import centre_velocity, put_force
+from plumbline.engine.articulated.motion import rates_of
 from plumbline.engine.articulated.tables import Tables
 from plumbline.engine.compile.jit import kernel
 from plumbline.engine.maths.elementary import atan2, cos_sin
+from plumbline.engine.maths.floats import fma
 from plumbline.engine.maths.rows import Quat, Vec, load3, load4, load6, store3, store4
 from plumbline.engine.maths.vec import add, axpy, cross, dot, quat_mul, scale, sub, sym_vec
 from plumbline.engine.memory import arena as at
@@ -38,8 +39,9 @@ def turn_by(angle: Vec) -> Quat:
     """exp(angle), as a quaternion."""
     square = 0.25 * dot(angle, angle)
     if square < SMALL:
-        cosine = 1.0 - square / 2.0 * (1.0 - square / 12.0 * (1.0 - square / 30.0 * (1.0 - square / 56.0)))
-        ratio = 1.0 - square / 6.0 * (1.0 - square / 20.0 * (1.0 - square / 42.0 * (1.0 - square / 72.0)))
+        again = square * square
+        cosine = fma(again, fma(again, 1 / 40320, fma(square, -1 / 720, 1 / 24)), fma(square, -1 / 2, 1.0))
+        ratio = fma(again, fma(again, 1 / 362880, fma(square, -1 / 5040, 1 / 120)), fma(square, -1 / 6, 1.0))
     else:
         half = math.sqrt(square)
         cosine, sine = cos_sin(half)
@@ -65,10 +67,9 @@ def angular_velocity(d: Quat, h: float, near: Vec) -> Vec:
     far = h * h * dot(near, near) > FAR * FAR
     if square < SMALL and not far:
         # The series of the arcsine.
-        ratio = 1.0 + square * (
-            1.0 / 6.0 + square * (3.0 / 40.0 + square * (5.0 / 112.0 + square * (35.0 / 1152.0 + square * 63.0 / 2816.0)))
-        )
-        return scale(2.0 * ratio / h, x)
+        again = square * square
+        far_terms = fma(again, fma(square, 63 / 2816, 35 / 1152), fma(square, 5 / 112, 3 / 40))
+        return scale(2.0 / h * fma(again, far_terms, fma(square, 1 / 6, 1.0)), x)
     sine = math.sqrt(square)
     if sine == 0.0:
         return near if far else x

@@ -26,8 +26,8 @@ from plumbline.engine.memory.tables import Bodies, Joints
 MOST_TURNS: Final = 50
 """By the contraction above these are beyond what rounding tells for c up to a fifth; a step that needs more is far too long."""
 
-KNOWN = 1e-12
-"""How exactly the rounds that close bends leave the rates, as a share of the largest one."""
+KNOWN = 0.1
+"""Of the tolerance of a step, how exactly the rounds that close bends leave the rates, as a share of the largest one."""
 
 
 @kernel
@@ -53,7 +53,7 @@ def held_with(tables: Tables, joints: Joints, i: int) -> tuple[float, float]:
 
 
 @kernel
-def are_settled(tables: Tables, joints: Joints, h: float) -> bool:
+def are_settled(tables: Tables, joints: Joints, setting: Floats, h: float) -> bool:
     """Whether every column is on the right segment at its present rate and, at a jump, under the force that this takes."""
     law, column, kind, fastest = tables.law, tables.column, tables.kind, 0.0
     for k in range(column.shape[0]):
@@ -62,7 +62,7 @@ def are_settled(tables: Tables, joints: Joints, h: float) -> bool:
         k = kind[i, tree.FIRST]
         if not is_ruled(tables, joints, i) or law[k, tree.BREAKS] == 0.0:
             continue
-        found, open_by = column[k, tree.RATE], KNOWN * fastest
+        found, open_by = column[k, tree.RATE], KNOWN * setting[0, at.STEP_TOLERANCE] * fastest
         if int(law[k, tree.SEGMENT]) % 2 == 1:
             found, inertia = held_with(tables, joints, i)
             open_by = open_by * inertia / h

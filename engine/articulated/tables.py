@@ -97,9 +97,11 @@ ANCHOR_W: Final = 7  # 3: of the joint at the start, from the tree's origin
 TURNED_INERTIA: Final = 10  # 6: in W at the start
 BEND: Final = 16  # 6: w and v from the start to the end, less those along the tangent of the start
 LAST_BEND: Final = 22  # 6: that of the last sub-step
+EARLIER_BEND: Final = 35  # 6: and of the one before it
 KEPT_SPIN: Final = 28  # 3: angular momentum that the last sub-step left; w without the gyroscopic effect
 KEPT_VELOCITY: Final = 31  # 3: v from the start to the end of the last sub-step
 KEPT_STRIDE: Final = 34  # step of Dormand-Prince, in the first row
+CONTRACTION: Final = 41  # share of a change that a round leaves, as it is expected, in the first row
 
 # Links: what implicit midpoint sums up of a link and all that hangs on it, about the tree's origin, in the same table.
 WHOLE_MOMENTUM: Final = 0  # 6
@@ -141,7 +143,7 @@ FOLLOWER: Final = 3  # links that others lead, one for each tie
 
 FREE: Final = 9
 
-FLOAT_COLUMNS: Final = np.array([30, 43, 28, 8, 20, 23, 14, 3, 35, 12, 2, 1, 2])
+FLOAT_COLUMNS: Final = np.array([30, 43, 28, 8, 20, 23, 14, 3, 42, 12, 2, 1, 2])
 INT_COLUMNS: Final = np.array([11, 1, 1, 1])
 FLOAT_TABLES: Final = 13
 

@@ -124,9 +124,7 @@ def _from_start(context: Any, builder: Any, kind: Any, index: Any, length: Any) 
     number = context.cast(builder, index, kind, types.intp)
     if isinstance(kind, types.IntegerLiteral):
         return number if kind.literal_value >= 0 else builder.add(number, length)
-    if not kind.signed:
-        return number
-    return builder.select(builder.icmp_signed("<", number, number.type(0)), builder.add(number, length), number)
+    return number
 
 
 def _address(context: Any, builder: Any, kind: Table, value: Any, index_kind: Any, index: Any) -> Any:

@@ -33,15 +33,15 @@ def coordinate_row(state: Floats, joints: Joints, j: int, rows: Rows, r: int) ->
     zero = (0.0, 0.0, 0.0)
     if kind == at.REVOLUTE:
         axis = mat_vec(quat_mat(load4(state, a, at.Q)), load3(joint, j, at.AXIS_A))
-        put_row(rows, r, j, a, b, (zero, neg(axis), zero, axis), 0.0, 0.0)
+        put_row(rows, r, j, a, b, (zero, neg(axis), zero, axis), 0.0)
         return revolute_angle(state, joint, j, a, b), dot(axis, sub(wb, wa))
     if kind == at.PRISMATIC:
         axis = mat_vec(quat_mat(load4(state, a, at.Q)), load3(joint, j, at.AXIS_A))
-        put_row(rows, r, j, a, b, (neg(axis), neg(cross(add(ra, d), axis)), axis, cross(rb, axis)), 0.0, 0.0)
+        put_row(rows, r, j, a, b, (neg(axis), neg(cross(add(ra, d), axis)), axis, cross(rb, axis)), 0.0)
         rate = dot(axis, sub(add(vb, cross(wb, rb)), add(va, cross(wa, add(ra, d)))))
         return dot(axis, d) + joint[j, at.POSITION], rate
     axis = along(d, (0.0, 0.0, 1.0))
-    put_row(rows, r, j, a, b, (neg(axis), neg(cross(ra, axis)), axis, cross(rb, axis)), 0.0, 0.0)
+    put_row(rows, r, j, a, b, (neg(axis), neg(cross(ra, axis)), axis, cross(rb, axis)), 0.0)
     return dot(axis, d), dot(axis, sub(add(vb, cross(wb, rb)), add(va, cross(wa, ra))))
 
 

@@ -36,17 +36,16 @@ AXES = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 
 @kernel
-def put_row(rows: Rows, r: int, j: int, a: int, b: int, jacobian: Jacobian, gap: float, curvature: float) -> None:
-    """Write row r of joint j between bodies a and b."""
+def put_row(rows: Rows, r: int, j: int, a: int, b: int, jacobian: Jacobian, curvature: float) -> None:
+    """Write row r of joint j between bodies a and b, without its gap."""
     row = rows.row
     rows.body[r, 0], rows.body[r, 1], rows.body[r, at.JOINT_OF] = a, b, j
     store3(row, r, at.JACOBIAN, jacobian[0])
     store3(row, r, at.JACOBIAN + 3, jacobian[1])
     store3(row, r, at.JACOBIAN + 6, jacobian[2])
     store3(row, r, at.JACOBIAN + 9, jacobian[3])
-    row[r, at.GAP] = gap
     row[r, at.CURVATURE] = curvature
-    row[r, at.SOFTNESS] = row[r, at.BIAS] = row[r, at.LOW] = row[r, at.HIGH] = 0.0
+    row[r, at.GAP] = row[r, at.SOFTNESS] = row[r, at.BIAS] = row[r, at.LOW] = row[r, at.HIGH] = 0.0
 
 
 @kernel
@@ -66,6 +65,38 @@ def anchors(state: Floats, joint: Floats, j: int, a: int, b: int) -> tuple[Vec, 
 
 
 @kernel
+def write_gaps(state: Floats, joints: Joints, row: Floats) -> None:
+    """Write the gaps of the equality rows of all joints for the present state, in their order; a rotor's row has none."""
+    r, joint = 0, joints.joint
+    for rank in range(len(joints.order)):
+        j = joints.order[rank, 0]
+        kind, a, b = joints.kind[j, at.JOINT_TYPE], joints.kind[j, at.PARENT], joints.kind[j, at.CHILD]
+        _ra, _rb, d = anchors(state, joint, j, a, b)
+        if kind in (at.BALL, at.FIXED, at.REVOLUTE):
+            for k in range(3):
+                row[r + k, at.GAP] = d[k]
+            r += 3
+        if kind in (at.FIXED, at.PRISMATIC):
+            turn = quat_mul(load4(state, b, at.Q), quat_conj(quat_mul(load4(state, a, at.Q), load4(joint, j, at.TURN_AB))))
+            sign = 2.0 if turn[0] >= 0.0 else -2.0
+            for k in range(3):
+                row[r + k, at.GAP] = sign * turn[k + 1]
+            r += 3
+        if kind in (at.REVOLUTE, at.PRISMATIC):
+            turn_a = quat_mat(load4(state, a, at.Q))
+            axis_a = mat_vec(turn_a, load3(joint, j, at.AXIS_A))
+            t = mat_vec(turn_a, perpendicular(load3(joint, j, at.AXIS_A)))
+            open_by = d
+            if kind == at.REVOLUTE:
+                open_by = cross(axis_a, mat_vec(quat_mat(load4(state, b, at.Q)), load3(joint, j, at.AXIS_B)))
+            row[r, at.GAP], row[r + 1, at.GAP] = dot(t, open_by), dot(cross(axis_a, t), open_by)
+            r += 3 if joints.kind[j, at.HAS] & at.HAS_ARMATURE else 2
+        if kind == at.DISTANCE and joints.kind[j, at.HAS] == 0:
+            row[r, at.GAP] = norm(d) - joint[j, at.LENGTH]
+            r += 1
+
+
+@kernel
 def equality_rows(state: Floats, joints: Joints, rows: Rows) -> int:
     """Write the equality rows of all joints for the present state, each joint's rotor behind its own.
 
@@ -78,7 +109,7 @@ def equality_rows(state: Floats, joints: Joints, rows: Rows) -> int:
         j = joints.order[rank, 0]
         kind, a, b = joints.kind[j, at.JOINT_TYPE], joints.kind[j, at.PARENT], joints.kind[j, at.CHILD]
         ra, rb, d = anchors(state, joint, j, a, b)
-        turn_a, turn_b = quat_mat(load4(state, a, at.Q)), quat_mat(load4(state, b, at.Q))
+        turn_a = quat_mat(load4(state, a, at.Q))
         va, wa = load3(state, a, at.V), load3(state, a, at.W)
         vb, wb = load3(state, b, at.V), load3(state, b, at.W)
         centripetal = sub(cross(wb, cross(wb, rb)), cross(wa, cross(wa, ra)))
@@ -86,26 +117,22 @@ def equality_rows(state: Floats, joints: Joints, rows: Rows) -> int:
             for k in range(3):
                 e = AXES[k]
                 jacobian = (neg(e), neg(cross(ra, e)), e, cross(rb, e))
-                put_row(rows, r, j, a, b, jacobian, dot(e, d), dot(e, centripetal))
+                put_row(rows, r, j, a, b, jacobian, dot(e, centripetal))
                 r += 1
         if kind in (at.FIXED, at.PRISMATIC):
-            turn = quat_mul(load4(state, b, at.Q), quat_conj(quat_mul(load4(state, a, at.Q), load4(joint, j, at.TURN_AB))))
-            sign = 2.0 if turn[0] >= 0.0 else -2.0
             for k in range(3):
                 e = AXES[k]
-                put_row(rows, r, j, a, b, (zero, neg(e), zero, e), sign * turn[k + 1], 0.0)
+                put_row(rows, r, j, a, b, (zero, neg(e), zero, e), 0.0)
                 r += 1
         if kind == at.REVOLUTE:
             axis_a = mat_vec(turn_a, load3(joint, j, at.AXIS_A))
-            axis_b = mat_vec(turn_b, load3(joint, j, at.AXIS_B))
-            tilt = cross(axis_a, axis_b)
             t = mat_vec(turn_a, perpendicular(load3(joint, j, at.AXIS_A)))
             for _ in range(2):
-                put_row(rows, r, j, a, b, (zero, neg(t), zero, t), dot(t, tilt), dot(cross(wa, t), sub(wb, wa)))
+                put_row(rows, r, j, a, b, (zero, neg(t), zero, t), dot(cross(wa, t), sub(wb, wa)))
                 t = cross(axis_a, t)
                 r += 1
             if joints.kind[j, at.HAS] & at.HAS_ARMATURE:
-                put_row(rows, r, j, a, b, (zero, neg(axis_a), zero, axis_a), 0.0, dot(cross(wa, axis_a), sub(wb, wa)))
+                put_row(rows, r, j, a, b, (zero, neg(axis_a), zero, axis_a), dot(cross(wa, axis_a), sub(wb, wa)))
                 r = soften(rows, r, joint, j)
         if kind == at.PRISMATIC:
             axis_a = mat_vec(turn_a, load3(joint, j, at.AXIS_A))
@@ -114,13 +141,13 @@ def equality_rows(state: Floats, joints: Joints, rows: Rows) -> int:
             for _ in range(2):
                 curvature = dot(cross(wa, cross(wa, t)), d) + 2.0 * dot(cross(wa, t), rate) + dot(t, centripetal)
                 jacobian = (neg(t), neg(cross(add(ra, d), t)), t, cross(rb, t))
-                put_row(rows, r, j, a, b, jacobian, dot(t, d), curvature)
+                put_row(rows, r, j, a, b, jacobian, curvature)
                 t = cross(axis_a, t)
                 r += 1
             if joints.kind[j, at.HAS] & at.HAS_ARMATURE:
                 n = axis_a
                 curvature = dot(cross(wa, cross(wa, n)), d) + 2.0 * dot(cross(wa, n), rate) + dot(n, centripetal)
-                put_row(rows, r, j, a, b, (neg(n), neg(cross(add(ra, d), n)), n, cross(rb, n)), 0.0, curvature)
+                put_row(rows, r, j, a, b, (neg(n), neg(cross(add(ra, d), n)), n, cross(rb, n)), curvature)
                 r = soften(rows, r, joint, j)
         if kind == at.DISTANCE and joints.kind[j, at.HAS] == 0:
             length = norm(d)
@@ -129,6 +156,7 @@ def equality_rows(state: Floats, joints: Joints, rows: Rows) -> int:
             radial = dot(u, rate)
             curvature = dot(u, centripetal) + (dot(rate, rate) - radial * radial) / max(length, 1e-12)
             jacobian = (neg(u), neg(cross(ra, u)), u, cross(rb, u))
-            put_row(rows, r, j, a, b, jacobian, length - joint[j, at.LENGTH], curvature)
+            put_row(rows, r, j, a, b, jacobian, curvature)
             r += 1
+    write_gaps(state, joints, rows.row)
     return r

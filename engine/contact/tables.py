@@ -2,7 +2,7 @@
 
 from typing import NamedTuple
 
-from plumbline.engine.compile.jit import kernel
+from plumbline.engine.compile.jit import inlined
 from plumbline.engine.maths.rows import Floats, Ints
 from plumbline.engine.memory import arena as at
 from plumbline.engine.memory.carve import floats_of, ints_of
@@ -40,7 +40,7 @@ class OldContacts(NamedTuple):
     following: Ints
 
 
-@kernel
+@inlined
 def pairs_of(floats: Floats, ints: Ints) -> Pairs:
     """The pairs of an arena."""
     return Pairs(
@@ -52,13 +52,13 @@ def pairs_of(floats: Floats, ints: Ints) -> Pairs:
     )
 
 
-@kernel
+@inlined
 def rules_of(floats: Floats, ints: Ints) -> Rules:
     """The settings and laws of an arena."""
     return Rules(floats_of(floats, ints, at.SETTING), ints_of(ints, at.COUNT), floats_of(floats, ints, at.SURFACE))
 
 
-@kernel
+@inlined
 def old_contacts_of(floats: Floats, ints: Ints) -> OldContacts:
     """The contacts that an arena keeps of the last step."""
     return OldContacts(

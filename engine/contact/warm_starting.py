@@ -28,11 +28,13 @@ def keep_old(kind: Ints, count: Ints, new: Contacts, old: OldContacts) -> None:
     for s in range(count[0, at.SHAPES]):
         old.head[s, 0] = -1
     for m in range(n):
-        for c in range(old.manifold.shape[1]):
-            old.manifold[m, c] = new.manifold[m, c]
         for c in range(old.key.shape[1]):
             old.key[m, c] = new.key[m, c]
         still = kind[new.key[m, at.BODY_A], at.STILL] == 1 and kind[new.key[m, at.BODY_B], at.STILL] == 1
+        for c in range(old.manifold.shape[1] if still else 0):
+            old.manifold[m, c] = new.manifold[m, c]
+        store3(old.manifold, m, at.NORMAL, load3(new.manifold, m, at.NORMAL))
+        store3(old.manifold, m, at.SPIN_IMPULSE, load3(new.manifold, m, at.SPIN_IMPULSE))
         for row in range(4 * m, 4 * m + new.key[m, at.POINTS]):
             for c in range(0 if still else at.NORMAL_IMPULSE, old.point.shape[1] if still else at.TANGENT_IMPULSE + 3):
                 old.point[row, c] = new.point[row, c]

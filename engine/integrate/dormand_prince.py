@@ -84,6 +84,22 @@ def largest_error(trial: Trial, h: float, first: int, last: int) -> float:
 
 
 @kernel
+def next_stride(error: float, tolerance: float, h: float, stride: float, cut: bool, rejected: bool) -> tuple[bool, float]:
+    """Whether a step h is accepted, and how long the next one should be.
+
+    Args: stride: how long this one should have been; cut: whether the end of dt cut it short; rejected: whether the last was.
+    """
+    finite = math.isfinite(error)
+    factor = 0.2
+    if finite:
+        factor = min(5.0, 0.9 * fifth_root(tolerance / error)) if error > 0.0 else 5.0
+    if not finite or error > tolerance:
+        return False, h * max(0.2, factor)
+    # A step cut short by the end of dt says nothing against the longer one that was meant.
+    return True, max(stride, h * factor) if cut else h * (min(factor, 1.0) if rejected else factor)
+
+
+@kernel
 def dormand_prince(
     bodies: Bodies, principal: Floats, setting: Floats, b: int, end: float, gyroscopic: int, trial: Trial
 ) -> bool:
@@ -93,7 +109,6 @@ def dormand_prince(
         return True
     law = law_of(bodies, principal, setting, b, gyroscopic)
     y, new, k = trial.y, trial.new, trial.k
-    tolerance = setting[0, at.STEP_TOLERANCE]
     q, m = to_principal(state, principal, b)
     store3(y, 0, Y_P, load3(state, b, at.P))
     store3(y, 0, Y_V, load3(state, b, at.V))
@@ -117,12 +132,10 @@ def dormand_prince(
         error_m = largest_error(trial, h, Y_M, LENGTH)
         error = max(error_v, error_q, error_m)
         # A sum is not finite if any part is not, while a maximum may pass it over.
-        overflow = not math.isfinite(error_v + error_q + error_m)
-        factor = 0.2 if overflow else (min(5.0, 0.9 * fifth_root(tolerance / error)) if error > 0.0 else 5.0)
-        if error <= tolerance and not overflow:
-            # A step cut short by the end of dt says nothing against the longer one that was meant.
-            stride = max(stride, h * factor) if cut else h * (min(factor, 1.0) if rejected else factor)
-            rejected = False
+        error = error if math.isfinite(error_v + error_q + error_m) else math.inf
+        accepted, stride = next_stride(error, setting[0, at.STEP_TOLERANCE], h, stride, cut, rejected)
+        rejected = not accepted
+        if accepted:
             done += h
             for j in range(LENGTH):
                 y[0, j], k[0, j] = new[0, j], k[STAGES - 1, j]
@@ -132,8 +145,6 @@ def dormand_prince(
                 store3(state, b, at.V, load3(y, 0, Y_V))
                 from_principal(state, principal, b, load4(y, 0, Y_Q), load3(y, 0, Y_M))
                 return True
-        else:
-            stride, rejected = h * max(0.2, factor), True
     return False
 
 

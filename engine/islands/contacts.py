@@ -6,13 +6,14 @@ has its own matrix of joints, so that the direct solve costs the sum of the cube
 
 from collections.abc import Callable
 
-from plumbline.engine.compile.jit import kernel
+from plumbline.engine.compile.jit import inlined, kernel
 from plumbline.engine.constrain.stages import Held
 from plumbline.engine.maths.rows import Floats, Ints
 from plumbline.engine.memory import arena as at
 from plumbline.engine.memory.carve import floats_of, ints_of, table_within
-from plumbline.engine.memory.tables import Joints, Rows, bodies_of, contacts_of, joints_of, some_contacts
+from plumbline.engine.memory.tables import Joints, Rows, bodies_of, contacts_of, in_order, joints_of, some_contacts
 from plumbline.engine.respond.manifold_sweeps import as_found
+from plumbline.engine.respond.share_loads import list_sharing
 from plumbline.engine.respond.softness import FRESH, FRESH_JOINTED, softness_of
 from plumbline.engine.respond.substep import end_step
 from plumbline.engine.steps.stages import Effort, Group, begin_island, near_blows, release_island, solve_island
@@ -35,7 +36,7 @@ def make_room_for_rows(ints: Ints) -> None:
     span[islands, at.FIRST_ROW] = row
 
 
-@kernel
+@inlined
 def island_rows(floats: Floats, ints: Ints, i: int) -> Rows:
     """The tables of the r rows of island i: matrix (r, r), factor (r, r) and vectors (10, r) lie in those of all rows."""
     span = ints_of(ints, at.SPAN_OF_ISLAND)
@@ -52,19 +53,22 @@ def island_rows(floats: Floats, ints: Ints, i: int) -> Rows:
     )
 
 
-@kernel
+@inlined
 def island_group(floats: Floats, ints: Ints, i: int) -> Group:
     """What island i is made of."""
-    span, joints = ints_of(ints, at.SPAN_OF_ISLAND), joints_of(floats, ints)
+    span, joints, bodies = ints_of(ints, at.SPAN_OF_ISLAND), joints_of(floats, ints), bodies_of(floats, ints)
     order = joints.order[span[i, at.FIRST_JOINT] : span[i + 1, at.FIRST_JOINT]]
+    first, end, sums = span[i, at.FIRST_MANIFOLD], span[i + 1, at.FIRST_MANIFOLD], floats_of(floats, ints, at.START)
+    contacts, room = some_contacts(contacts_of(floats, ints), first, end), ints_of(ints, at.SHARING)[first:end]
     return Group(
-        bodies_of(floats, ints),
+        bodies,
         ints_of(ints, at.BODY_ORDER)[span[i, at.FIRST_BODY] : span[i + 1, at.FIRST_BODY]],
-        some_contacts(contacts_of(floats, ints), span[i, at.FIRST_MANIFOLD], span[i + 1, at.FIRST_MANIFOLD]),
+        contacts,
+        in_order(contacts, room[: list_sharing(bodies, contacts, sums, room)]),
         Joints(joints.joint, joints.kind, order),
         island_rows(floats, ints, i),
-        floats_of(floats, ints, at.START),
-        ints_of(ints, at.HURRIED)[span[i, at.FIRST_MANIFOLD] : span[i + 1, at.FIRST_MANIFOLD]],
+        sums,
+        ints_of(ints, at.HURRIED)[first:end],
     )
 
 
@@ -90,8 +94,9 @@ def advance_island(floats: Floats, ints: Ints, i: int, first: int, end: int, tol
             if times > 0 and count[0, at.JOINTS] > 0:
                 times = FRESH_JOINTED if fresh or told == 1 else 1
             elif times > 0:
-                near = near_blows(group.bodies.kind, near, group.hurried, count[0, at.STEPS] if fresh else -1)
-                times = FRESH if len(near.order) > 0 else 1
+                hurried = near_blows(group.bodies.kind, near, group.hurried, count[0, at.STEPS] if fresh else -1)
+                near = in_order(near, group.hurried[:hurried])
+                times = FRESH if hurried > 0 else 1
             span[i, at.HIT] = solve_island(floats, ints, group, held, soft, Effort(near, times), as_found, holding)
             told = 0
             continue

@@ -199,6 +199,8 @@ STRIKES: Final = 7  # 1 if a point strikes in this sub-step
 BEGUN: Final = 8  # the step whose search found it first
 HURRIED: Final = int_columns(Per.PAIR, 1)  # as MANIFOLD_ORDER: those near a blow or a new contact, in this sub-step
 
+SHARING: Final = int_columns(Per.PAIR, 1)  # as MANIFOLD_ORDER: those of bodies that share their load, in this step
+
 POINT: Final = float_columns(Per.POINT, 36)
 ARM_A: Final = 0  # 3, in W, from the centre of mass of A
 ARM_B: Final = 3

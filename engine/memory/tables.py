@@ -90,9 +90,15 @@ def present_contacts(floats: Floats, ints: Ints) -> Contacts:
 
 
 @inlined
+def in_order(contacts: Contacts, order: Ints) -> Contacts:
+    """Those of an order (k, 1) alone."""
+    return Contacts(contacts.manifold, contacts.point, contacts.key, contacts.point_key, order)
+
+
+@inlined
 def some_contacts(contacts: Contacts, first: int, end: int) -> Contacts:
     """Those of ranks first..end - 1 alone."""
-    return Contacts(contacts.manifold, contacts.point, contacts.key, contacts.point_key, contacts.order[first:end])
+    return in_order(contacts, contacts.order[first:end])
 
 
 @inlined

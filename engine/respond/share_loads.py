@@ -47,6 +47,27 @@ def bears(point: Floats, i: int) -> bool:
 
 
 @kernel
+def list_sharing(bodies: Bodies, contacts: Contacts, sums: Floats, room: Ints) -> int:
+    """The contacts of bodies that have points enough on what does not move.
+
+    Args: sums (bodies, 13): room to work in; room (k, 1): for their order. Returns: how many they are.
+    """
+    key, n = contacts.key, 0
+    for step in range(3):
+        for rank in range(len(contacts.order)):
+            m = contacts.order[rank, 0]
+            b = bearer(bodies.kind, key, m)
+            if b >= 0 and step == 0:
+                sums[b, SIZE] = 0.0
+            elif b >= 0 and step == 1:
+                sums[b, SIZE] += key[m, at.POINTS]
+            elif b >= 0 and sums[b, SIZE] > FEW:
+                room[n, 0] = m
+                n += 1
+    return n
+
+
+@kernel
 def share_loads(bodies: Bodies, contacts: Contacts, sums: Floats) -> None:
     """Make the normal impulses that the contacts bring along even. Args: sums (bodies, 13): room to work in."""
     if len(contacts.order) > 1:

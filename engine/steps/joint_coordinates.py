@@ -6,10 +6,15 @@ from plumbline.engine.articulated.advance import is_finite_forest, write_state
 from plumbline.engine.articulated.bases import carry_bases, take_jumps
 from plumbline.engine.articulated.column_momenta import begin_column_momenta, rates_of_momenta
 from plumbline.engine.articulated.dormand_prince import dormand_prince as dormand_prince_tree
-from plumbline.engine.articulated.dormand_prince import room_for_trials
 from plumbline.engine.articulated.implicit_midpoint import implicit_midpoint as implicit_midpoint_tree
 from plumbline.engine.articulated.momenta import begin_momenta, damp_over, write_kept_velocities
-from plumbline.engine.articulated.runge_kutta import ends_with_laws, mark_stiff_columns, runge_kutta
+from plumbline.engine.articulated.runge_kutta import (
+    RK4_STAGES,
+    ends_with_laws,
+    mark_stiff_columns,
+    room_for_trials,
+    runge_kutta,
+)
 from plumbline.engine.articulated.semi_implicit_euler import semi_implicit_euler
 from plumbline.engine.articulated.tables import tables_of
 from plumbline.engine.compile.jit import entry
@@ -23,7 +28,6 @@ from plumbline.engine.memory import arena as at
 from plumbline.engine.memory.carve import floats_of, ints_of
 from plumbline.engine.memory.status import DIVERGED, DONE, UNSOLVED
 from plumbline.engine.memory.tables import bodies_of, joints_of
-from plumbline.engine.steps.count_step import count_step
 
 
 @entry
@@ -52,8 +56,8 @@ def step_joint_coordinates_euler(floats: Floats, ints: Ints, steps: int) -> tupl
             b = tables.other[n, 0]
             if bodies.kind[b, at.MOTION] == at.DYNAMIC:
                 drift_free(bodies, setting, b, dt, substeps, gyroscopic)
-        finite = is_finite_forest(tables)
-        if count_step(bodies.state, count) == DIVERGED or not finite:
+        count[0, at.STEPS] += 1
+        if not is_finite_forest(tables, bodies.state):
             status = DIVERGED
     if done > 0:
         write_state(tables, bodies, joints)
@@ -86,8 +90,8 @@ def step_joint_coordinates_midpoint(floats: Floats, ints: Ints, steps: int) -> t
                     bodies, principal, setting, b, h, gyroscopic
                 ):
                     status = UNSOLVED
-        finite = is_finite_forest(tables)
-        if count_step(bodies.state, count) == DIVERGED or not finite:
+        count[0, at.STEPS] += 1
+        if not is_finite_forest(tables, bodies.state):
             status = DIVERGED
     if done > 0:
         rates_of_momenta(tables, bodies, joints, setting, gyroscopic)
@@ -103,7 +107,7 @@ def step_joint_coordinates_adaptive(floats: Floats, ints: Ints, steps: int) -> t
     principal = floats_of(floats, ints, at.PRINCIPAL)
     substeps, gyroscopic = count[0, at.SUBSTEPS], count[0, at.GYROSCOPIC]
     h, done, status = setting[0, at.DT] / substeps, 0, DONE
-    trial = room_for_trials(tables, joints)
+    trial = room_for_trials(tables, joints, STAGES)
     free = Trial(np.zeros((1, LENGTH)), np.zeros((1, LENGTH)), np.zeros((STAGES, LENGTH)))
     take_jumps(tables, bodies, joints)
     ends = ends_with_laws(tables, joints)
@@ -119,8 +123,8 @@ def step_joint_coordinates_adaptive(floats: Floats, ints: Ints, steps: int) -> t
                     bodies, principal, setting, b, h, gyroscopic, free
                 ):
                     status = UNSOLVED
-        finite = is_finite_forest(tables)
-        if count_step(bodies.state, count) == DIVERGED or not finite:
+        count[0, at.STEPS] += 1
+        if not is_finite_forest(tables, bodies.state):
             status = DIVERGED
     if done > 0:
         write_state(tables, bodies, joints)
@@ -133,7 +137,7 @@ def step_joint_coordinates_runge_kutta(floats: Floats, ints: Ints, steps: int) -
     bodies, joints, tables = bodies_of(floats, ints), joints_of(floats, ints), tables_of(floats, ints)
     setting, count = floats_of(floats, ints, at.SETTING), ints_of(ints, at.COUNT)
     dt, gyroscopic = setting[0, at.DT], count[0, at.GYROSCOPIC]
-    done, status = 0, DONE
+    done, status, trial = 0, DONE, room_for_trials(tables, joints, RK4_STAGES)
     if count[0, at.STEPS] == 0 and steps > 0:
         mark_stiff_columns(tables, bodies, joints, dt)
     take_jumps(tables, bodies, joints)
@@ -141,14 +145,14 @@ def step_joint_coordinates_runge_kutta(floats: Floats, ints: Ints, steps: int) -
     while done < steps and status == DONE:
         done += 1
         clear_reactions(joints)
-        if not runge_kutta(tables, bodies, joints, setting, dt, gyroscopic, ends):
+        if not runge_kutta(tables, bodies, joints, setting, dt, gyroscopic, ends, trial):
             status = UNSOLVED
         for n in range(tables.other.shape[0]):
             b = tables.other[n, 0]
             if bodies.kind[b, at.MOTION] == at.DYNAMIC:
                 runge_kutta_free(bodies, setting, b, dt, gyroscopic)
-        finite = is_finite_forest(tables)
-        if count_step(bodies.state, count) == DIVERGED or not finite:
+        count[0, at.STEPS] += 1
+        if not is_finite_forest(tables, bodies.state):
             status = DIVERGED
     if done > 0:
         write_state(tables, bodies, joints)

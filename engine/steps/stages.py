@@ -20,7 +20,7 @@ from plumbline.engine.maths.rows import Floats, Ints
 from plumbline.engine.memory import arena as at
 from plumbline.engine.memory.carve import ints_of
 from plumbline.engine.memory.status import DONE
-from plumbline.engine.memory.tables import Bodies, Contacts, Joints, Rows, some_contacts
+from plumbline.engine.memory.tables import Bodies, Contacts, Joints, Rows
 from plumbline.engine.respond.share_loads import share_loads
 from plumbline.engine.respond.softness import (
     FRESH,
@@ -41,12 +41,14 @@ RINGS = 1
 class Group(NamedTuple):
     """What is solved together: which bodies (k, 1), which contacts and joints, and the rows of these.
 
-    Terms: sums: room for `share_loads`; hurried: for the order of what `near_blows` finds.
+    Terms: sharing: the contacts of bodies that share their load; sums: room for `share_loads`; hurried: for the order of what
+    `near_blows` finds.
     """
 
     bodies: Bodies
     touched: Ints
     contacts: Contacts
+    sharing: Contacts
     joints: Joints
     rows: Rows
     sums: Floats
@@ -67,18 +69,18 @@ def meet(floats: Floats, ints: Ints) -> int:
 
 
 @kernel
-def near_blows(kind: Ints, contacts: Contacts, room: Ints, step: int) -> Contacts:
+def near_blows(kind: Ints, contacts: Contacts, room: Ints, step: int) -> int:
     """The contacts near one that strikes or is new, which get more sweeps: the others' impulses carry their load.
 
     Near is what moves a body that is at most `RINGS` contacts away from a body of such a one; what does not move passes
-    nothing on. Args: room (k, 1): for their order; step: whose new contacts count, -1 for none.
+    nothing on. Args: room (k, 1): for their order; step: whose new contacts count, -1 for none. Returns: how many they are.
     """
     key, rings, n = contacts.key, at.RING, 0
     for rank in range(len(contacts.order)):
         m = contacts.order[rank, 0]
         n += 1 if key[m, at.STRIKES] == 1 or key[m, at.BEGUN] == step else 0
-    if n == 0 or n == len(contacts.order):
-        return some_contacts(contacts, 0, n)
+    if n == 0:
+        return 0
     for rank in range(len(contacts.order)):
         for side in (at.BODY_A, at.BODY_B):
             b = key[contacts.order[rank, 0], side]
@@ -105,7 +107,7 @@ def near_blows(kind: Ints, contacts: Contacts, room: Ints, step: int) -> Contact
         ):
             room[n, 0] = m
             n += 1
-    return Contacts(contacts.manifold, contacts.point, contacts.key, contacts.point_key, room[:n])
+    return n
 
 
 def _begin(group: Group, setting: Floats, held: Held, soft: Softness, holding: Callable[..., Held]) -> tuple[int, Held]:
@@ -131,7 +133,7 @@ def _solve(
     Returns: whether any is to rebound.
     """
     bodies, contacts, joints, rows, count = group.bodies, group.contacts, group.joints, group.rows, ints_of(ints, at.COUNT)
-    share_loads(bodies, contacts, group.sums)
+    share_loads(bodies, group.sharing, group.sums)
     visit(floats, ints, bodies, contacts, soft, PUSH)
     holding(bodies, joints, rows, held, NEW, soft.h)
     for _ in range(count[0, at.ITERATIONS] if effort.times > 0 else 0):
@@ -142,7 +144,7 @@ def _solve(
             holding(bodies, joints, rows, held, KNOWN, soft.h)
     drift_all(bodies, group.touched, count, soft.h)
     visit(floats, ints, bodies, contacts, soft, TURN)
-    share_loads(bodies, contacts, group.sums)
+    share_loads(bodies, group.sharing, group.sums)
     for _ in range(count[0, at.RELAXATIONS] if effort.times > 0 else 0):
         visit(floats, ints, bodies, contacts, soft, RELAX)
         holding(bodies, joints, rows, held, KNOWN, soft.h)

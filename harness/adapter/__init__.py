@@ -1,6 +1,5 @@
 """The one boundary between the harness and an engine."""
 
-from plumbline.harness.adapter.advantage import Advantage
 from plumbline.harness.adapter.contract import (
     Adapter,
     Diverged,
@@ -9,11 +8,10 @@ from plumbline.harness.adapter.contract import (
     Unavailable,
     Unsupported,
 )
-from plumbline.harness.adapter.extra import Extra
 from plumbline.harness.adapter.notice import Notice
 from plumbline.harness.adapter.settings import Settings, SettingsError
 from plumbline.harness.adapter.simulation import Simulation
-from plumbline.harness.adapter.trade_off import TradeOff
+from plumbline.harness.adapter.trade_off import Advantage, Extra, TradeOff
 
 __all__ = [
     "Adapter",

@@ -18,7 +18,7 @@ from plumbline.harness.trajectory import Floats, State
 
 
 @dataclass(frozen=True, slots=True)
-class Chain:
+class MasslessChain:
     """Joints one after the other with no mass between them, the last one before a body that has some left out.
 
     Terms: base: place of the body that the first one hangs on, -1 for the world. joints: places in the scene. bodies: places of
@@ -41,7 +41,7 @@ def on_massless(scene: Scene) -> frozenset[str]:
     return frozenset(joint.name for joint in scene.joints if {joint.parent, joint.child} & massless)
 
 
-def chains(scene: Scene) -> list[Chain]:
+def chains(scene: Scene) -> list[MasslessChain]:
     """All chains of a scene, each from its base on."""
     index = {body.name: k for k, body in enumerate(scene.bodies)} | {WORLD: -1}
     on = {joint.parent: (k, joint.child) for k, joint in enumerate(scene.joints) if scene.bodies[index[joint.child]].massless}
@@ -55,11 +55,11 @@ def chains(scene: Scene) -> list[Chain]:
             number, child = on[scene.bodies[bodies[-1]].name]
             joints.append(number)
             bodies.append(index[child])
-        whole.append(Chain(index[joint.parent], tuple(joints), tuple(bodies)))
+        whole.append(MasslessChain(index[joint.parent], tuple(joints), tuple(bodies)))
     return whole
 
 
-def write_between(scene: Scene, chain: Chain, coordinate: Floats, rate: Floats, out: State) -> None:
+def write_between(scene: Scene, chain: MasslessChain, coordinate: Floats, rate: Floats, out: State) -> None:
     """Write the states of the bodies of a chain. Args: coordinate, rate: of its joints; out: with the state of its base."""
     w, v, turned = np.zeros(3), np.zeros(3), np.array([1.0, 0.0, 0.0, 0.0])
     R, t = np.eye(3), np.zeros(3)

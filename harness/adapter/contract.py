@@ -50,13 +50,11 @@ from enum import Flag, auto
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from plumbline.harness.adapter.advantage import Advantage
-from plumbline.harness.adapter.extra import Extra
 from plumbline.harness.adapter.kernels import Kernels
 from plumbline.harness.adapter.many_worlds import Batch, Turns
 from plumbline.harness.adapter.settings import Settings
 from plumbline.harness.adapter.simulation import Simulation
-from plumbline.harness.adapter.trade_off import TradeOff, check_named
+from plumbline.harness.adapter.trade_off import Advantage, Extra, TradeOff, check_named
 from plumbline.harness.scene import Effect, Scene
 from plumbline.harness.trajectory import Floats
 

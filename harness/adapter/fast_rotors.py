@@ -75,7 +75,7 @@ def fast_rotors(scene: Scene) -> FastRotors:
             seen.add(branch.node)
         for tree in trees:
             spun = hinges.intersection(branch.edge.name for branch in tree)
-            rate = _Tree(moving.get(root), tree, moving).wobble() if spun else 0.0
+            rate = _RotorTree(moving.get(root), tree, moving).wobble() if spun else 0.0
             if rate > WOBBLE:
                 found |= spun
                 wobble = max(wobble, rate)
@@ -123,7 +123,7 @@ def _wanted(joint: Joint) -> float:
     return drive.target_velocity if drive is not None and drive.damping > 0 else 0.0
 
 
-class _Tree:
+class _RotorTree:
     """Bodies on joints from what stands still, or from a free body, outward; all vectors in W, at the start."""
 
     def __init__(self, root: Body | None, branches: Sequence[Branch[str, Joint]], moving: dict[str, Body]) -> None:

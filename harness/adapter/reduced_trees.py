@@ -14,14 +14,14 @@ _OFF = 1e-6
 
 
 @dataclass(frozen=True, slots=True)
-class Tree:
+class JointTree:
     """Joints from the root on. Terms: root: a body's name, or the world's."""
 
     root: str
     branches: tuple[Branch[str, Joint], ...]
 
 
-def trees_of(scene: Scene, joints: Sequence[Joint]) -> list[Tree]:
+def trees_of(scene: Scene, joints: Sequence[Joint]) -> list[JointTree]:
     """The trees that multibodies can hold: of fixed joints, hinges and slides, of bodies that nothing damps or prescribes."""
     still = [WORLD, *(body.name for body in scene.bodies if body.motion == "static")]
     groups = DisjointSets[str]()
@@ -34,7 +34,7 @@ def trees_of(scene: Scene, joints: Sequence[Joint]) -> list[Tree]:
             groups.unite(joint.parent, joint.child)
     barred = {groups.root(body.name) for body in scene.bodies if body.motion == "kinematic" or _damped(body, scene.effects)}
     barred |= {groups.root(_moving(j, still)) for j in joints if j not in apt or not _allowed(scene, j)}
-    # An impulse joint that closes a loop of hinges stops multibodies dead: four bars at 1 rad/s within two steps.
+    # A hinge that is an impulse joint and closes a loop of hinges stops multibodies dead: four bars at 1 rad/s in two steps.
     barred |= {groups.root(_moving(j, still)) for j in spanning_forest(apt, lambda j: (j.parent, j.child), still).closing}
     forest = spanning_forest(
         (j for j in apt if groups.root(_moving(j, still)) not in barred), lambda j: (j.parent, j.child), still
@@ -45,16 +45,16 @@ def trees_of(scene: Scene, joints: Sequence[Joint]) -> list[Tree]:
             continue
         branches = tuple(forest.breadth_first(root))
         seen |= {branch.node for branch in branches}
-        trees += _apart(branches) if root == WORLD else [Tree(root, branches)]
+        trees += _apart(branches) if root == WORLD else [JointTree(root, branches)]
     return trees
 
 
-def _apart(branches: tuple[Branch[str, Joint], ...]) -> list[Tree]:
+def _apart(branches: tuple[Branch[str, Joint], ...]) -> list[JointTree]:
     """What hangs on the world, each by itself: a multibody's work grows faster than its links."""
     first = {branch.node: k for k, branch in enumerate(b for b in branches if b.above == WORLD)}
     for branch in branches:
         first.setdefault(branch.node, first.get(branch.above, 0))
-    return [Tree(WORLD, tuple(b for b in branches if first[b.node] == k)) for k in sorted(set(first.values()))]
+    return [JointTree(WORLD, tuple(b for b in branches if first[b.node] == k)) for k in sorted(set(first.values()))]
 
 
 def _moving(joint: Joint, still: Sequence[str]) -> str:

@@ -8,10 +8,9 @@ They stay defined where no two runs can be compared any more.
 from pathlib import Path
 
 from plumbline.harness.case import Case, Check
-from plumbline.harness.case.own_titles import title_of
-from plumbline.harness.case.undropped import kinds_left_out, undropped_scene
+from plumbline.harness.case.undropped import kinds_left_out, title_of, undropped_scene
 from plumbline.harness.intake.documents import named
-from plumbline.harness.intake.refusal import RobotError
+from plumbline.harness.intake.error import RobotError
 from plumbline.harness.metrics import conservation, contacts, errors, joints, readings
 from plumbline.harness.scene import Effect, Scene
 from plumbline.harness.scene.importers.companion import beside, load_companion

@@ -4,7 +4,7 @@ The import keeps that scene beside the one that is run, as `NAME.undropped.toml`
 """
 
 from itertools import combinations
-from pathlib import Path
+from pathlib import Path, PurePath
 
 from plumbline.harness.scene import Prismatic, Revolute, Scene
 from plumbline.harness.scene.importers.companion import Companion
@@ -50,3 +50,18 @@ def _touching(scene: Scene) -> set[frozenset[str]]:
     """The pairs of moving bodies that may touch."""
     movable = [body for body in scene.bodies if body.movable and body.collision]
     return {frozenset((a.name, b.name)) for a, b in combinations(movable, 2) if scene.collides(a, b)}
+
+
+OWN = "scene:"
+"""How the name of a case says that it lies in a file."""
+
+
+def title_of(path: PurePath) -> str:
+    """'My arm' of my_arm.toml."""
+    words = " ".join(path.stem.replace("_", " ").replace("-", " ").split()) or path.stem
+    return words[:1].upper() + words[1:]
+
+
+def called(case: str) -> str:
+    """The name of a case; of a scene of the user's own its title."""
+    return title_of(PurePath(case.removeprefix(OWN))) if case.startswith(OWN) else case

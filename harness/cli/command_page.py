@@ -1,10 +1,16 @@
-"""The page `docs/cli.md`: examples, and each command with its options as the code has them."""
+"""The page `docs/cli.md`: examples, and each command with its options as the code has them; and the command that says what a
+word means.
+"""
 
 import tomllib
 from collections.abc import Iterator
+from difflib import get_close_matches
 from pathlib import Path
 
 import click
+
+from plumbline.harness.cli.guard import USAGE, say, stop
+from plumbline.harness.cli.listing import print_table
 
 _EXAMPLES = Path(__file__).with_name("examples.toml")
 _HEAD = """# The command line
@@ -50,3 +56,24 @@ def page(main: click.Group) -> str:
             rows = [f"| `{_cell(option)}` | {_cell(what)} |" for option, what in records if "--help" not in option]
             lines += ["| option | meaning |", "|---|---|", *rows, ""]
     return linked("\n".join(lines).rstrip() + "\n", "glossary.md")
+
+
+@click.command()
+@click.argument("words", metavar="[WORD]", nargs=-1)
+def glossary(words: tuple[str, ...]) -> None:
+    """What a WORD of pages, tables and help texts means; all words without one."""
+    from plumbline.reports.words import glossary as page
+
+    entries, wanted = page.glossary(), " ".join(words).lower()
+    if not wanted:
+        print_table("Glossary", ("word", "meaning"), [(", ".join(entry.words), entry.meaning) for entry in entries])
+        return
+    by_word = {word.lower(): entry for entry in entries for word in entry.words}
+    if wanted not in by_word and (form := page.WORD.fullmatch(wanted)):
+        wanted = page.house_word(form)  # 'resamples', 'remedies', as pages write them
+    if wanted not in by_word:
+        close = get_close_matches(wanted, by_word, cutoff=0.5)
+        hint = f"; did you mean {', '.join(close)}?" if close else ""
+        stop(USAGE, f"'{wanted}' is not in the glossary{hint}")
+    entry = by_word[wanted]
+    say(f"{', '.join(entry.words)}: {entry.meaning}")

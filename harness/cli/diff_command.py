@@ -29,8 +29,7 @@ _MOST = 60
 def diff(folder_a: Path, folder_b: Path, form: str, out: Path | None, gated: tuple[str, ...], least: float) -> None:
     """What changed from DIR_A to DIR_B: accuracy exactly, time over what else was clocked in the same run."""
     from plumbline.harness.findings.changes import compare
-    from plumbline.harness.findings.changes.comment import comment
-    from plumbline.harness.findings.changes.files import flat_rows
+    from plumbline.harness.findings.changes.files import comment, flat_rows
     from plumbline.harness.findings.changes.words import gate_in_short
 
     store_a, store_b = opened(folder_a), opened(folder_b)

@@ -11,8 +11,7 @@ from plumbline.harness.cli.guard import GATE, say
 from plumbline.harness.cli.listing import print_json, print_table
 
 if TYPE_CHECKING:
-    from plumbline.harness.findings.vendor.finding import Finding
-    from plumbline.harness.findings.vendor.still_there import ScriptAnswer
+    from plumbline.harness.findings.vendor_findings import Finding, ScriptAnswer
 
 
 @click.command()
@@ -41,7 +40,7 @@ def findings(
     asked: str | None, run: bool, issue: bool, report: str | None, out: Path, as_json: bool, python: Path | None
 ) -> None:
     """Known bugs and pitfalls of ENGINE, as scripts in the vendor's own API."""
-    from plumbline.harness.findings.vendor.finding import FindingError, chosen, shelf
+    from plumbline.harness.findings.vendor_findings import FindingError, chosen, shelf
 
     try:
         every = shelf()
@@ -80,8 +79,7 @@ def _row(finding: "Finding") -> dict[str, object]:
 
 
 def _print_issue(those: "list[Finding]", asked: str | None, python: Path | None) -> None:
-    from plumbline.harness.findings.vendor.issue_text import issue_text
-    from plumbline.harness.findings.vendor.still_there import ask_all
+    from plumbline.harness.findings.vendor_findings import ask_all, issue_text
 
     if len(those) != 1:
         names = ", ".join(finding.name for finding in those)
@@ -90,8 +88,7 @@ def _print_issue(those: "list[Finding]", asked: str | None, python: Path | None)
 
 
 def _write_report(those: "list[Finding]", out: Path, python: Path | None) -> None:
-    from plumbline.harness.findings.vendor.issue_text import issue_text
-    from plumbline.harness.findings.vendor.still_there import ask_all
+    from plumbline.harness.findings.vendor_findings import ask_all, issue_text
 
     for standing in ask_all(those, str(python or sys.executable)):
         path = out / f"{standing.finding.name}.md"
@@ -101,7 +98,7 @@ def _write_report(those: "list[Finding]", out: Path, python: Path | None) -> Non
 
 
 def _print_standings(those: "list[Finding]", as_json: bool, python: Path | None) -> None:
-    from plumbline.harness.findings.vendor.still_there import ask_all
+    from plumbline.harness.findings.vendor_findings import ask_all
 
     standings: list[ScriptAnswer] = []
     for standing in ask_all(those, str(python or sys.executable)):

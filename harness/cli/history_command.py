@@ -6,8 +6,7 @@ import click
 
 from plumbline.harness.cli.guard import say
 from plumbline.harness.cli.listing import print_json, print_table
-from plumbline.harness.cli.options import json_rows
-from plumbline.harness.cli.seconds import DAY, Age
+from plumbline.harness.cli.options import DAY, Age, json_rows
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -27,7 +26,7 @@ _SHOWN = 200
 @json_rows
 def history(address: str, prune: bool, older: float | None, keep_nights: int | None, dry_run: bool, as_json: bool) -> None:
     """List the nights of the history DIR: machines, versions, what was reused and computed, sizes."""
-    from plumbline.harness.history.listing import COLUMNS, rows
+    from plumbline.harness.history.retention import COLUMNS, rows
 
     if not prune and (older is not None or keep_nights is not None or dry_run):
         raise click.UsageError("--older, --keep-nights and --dry-run are for --prune")
@@ -76,7 +75,7 @@ def at_hand(address: str) -> Any:
 def _prune(address: str, older: float | None, keep_nights: int | None, dry_run: bool) -> None:
     from contextlib import ExitStack
 
-    from plumbline.harness.history.lock import locked
+    from plumbline.harness.history.folder import locked
     from plumbline.harness.history.remote_storage import copy_of, is_elsewhere
     from plumbline.harness.history.retention import prune, pruning
 

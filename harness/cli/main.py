@@ -2,22 +2,18 @@
 
 import click
 
-from plumbline.harness.cli.cluster_commands import merge
+from plumbline.harness.cli.command_page import glossary
 from plumbline.harness.cli.diff_command import diff
-from plumbline.harness.cli.figure_command import figure
 from plumbline.harness.cli.findings_command import findings
-from plumbline.harness.cli.glossary_command import glossary
 from plumbline.harness.cli.guard import Guarded
 from plumbline.harness.cli.history_group import history
-from plumbline.harness.cli.installed import cases, check, engines
+from plumbline.harness.cli.installed import cases, check, engines, warm
 from plumbline.harness.cli.nightly_command import nightly
 from plumbline.harness.cli.parity_command import parity
-from plumbline.harness.cli.publish_command import publish
-from plumbline.harness.cli.run_folder import report, reproduce, serve, show, verify, view
-from plumbline.harness.cli.run_study import run
+from plumbline.harness.cli.run_folder import figure, publish, report, reproduce, serve, show, verify, view
+from plumbline.harness.cli.run_study import merge, run
 from plumbline.harness.cli.scene_commands import scene
 from plumbline.harness.cli.select_command import select
-from plumbline.harness.cli.warm_command import warm
 
 
 @click.group(cls=Guarded, context_settings={"help_option_names": ["-h", "--help"]})

@@ -16,14 +16,13 @@ import click
 
 from plumbline.api.engines import chosen_engines
 from plumbline.harness.cli.guard import GATE, INTERRUPTED, USAGE, say, stop
-from plumbline.harness.cli.options import agreed
-from plumbline.harness.cli.seconds import Seconds
+from plumbline.harness.cli.options import Seconds, agreed
 from plumbline.harness.intake.safe_text import quoted
 
 if TYPE_CHECKING:
     from plumbline.harness.history.changes_since import News
     from plumbline.harness.history.folder import History
-    from plumbline.harness.history.night_policy import Asked, Steering
+    from plumbline.harness.history.night_policy import NightWish, Steering
     from plumbline.harness.history.remote_storage import Elsewhere
 
 _UNBOUNDED = 86400.0
@@ -54,8 +53,7 @@ _LEAST = 10.0
 @click.option("--drill", "drilled", is_flag=True, help="Plant two faults in nights of their own: exit 0 where both are named.")
 def nightly(address: str | None, budget: float | None, notify: str | None, reported: bool, drilled: bool, **given: Any) -> None:
     """Run what a night's budget allows, recall what is known, and say what changed since it was last seen."""
-    from plumbline.harness.history.folder import created
-    from plumbline.harness.history.lock import locked
+    from plumbline.harness.history.folder import created, locked
     from plumbline.harness.history.remote_storage import copy_of, is_elsewhere
 
     if drilled:
@@ -107,9 +105,9 @@ def _drill(engines: Sequence[str]) -> None:
 
 def _asked(
     *, study: str, engines: Sequence[str], globs: tuple[str, ...], gated: tuple[str, ...], keep: Any, agreed: bool, **rest: Any
-) -> "Asked":
+) -> "NightWish":
     from plumbline.api.studies import study_and_cases
-    from plumbline.harness.history.night_policy import Asked
+    from plumbline.harness.history.night_policy import NightWish
     from plumbline.harness.study.catalogue import describe_engine
     from plumbline.harness.study.engine_versions import asked as as_asked
     from plumbline.harness.study.experiment import StudyError
@@ -127,23 +125,22 @@ def _asked(
                 f"{quoted(engine)} is not asked, expected some of {', '.join(adapters)}", param_hint="--gate"
             )
     ours = tuple(name for name, adapter in adapters.items() if describe_engine(adapter)["ours"])
-    return Asked(study=plan, cases=cases, adapters=adapters, gated=gated or ours, keep=keep, **rest)
+    return NightWish(study=plan, cases=cases, adapters=adapters, gated=gated or ours, keep=keep, **rest)
 
 
 def _night(
-    history: "History", asked: "Asked", elsewhere: "Elsewhere | None", reported: bool
+    history: "History", asked: "NightWish", elsewhere: "Elsewhere | None", reported: bool
 ) -> tuple[bool, Path, Callable[[], float]]:
     """Carry it out and close it.
 
     Returns: does its gate fail, or was a page of the report not made? summary.md; what is left of its budget [s], when called.
     """
     from plumbline.harness.findings.summary import write_summary
-    from plumbline.harness.findings.vendor.finding import shelf
-    from plumbline.harness.history.gate import reasons
-    from plumbline.harness.history.known_findings import asked_again, turned
+    from plumbline.harness.findings.vendor_findings import shelf
+    from plumbline.harness.history.changes_since import asked_again, turned
     from plumbline.harness.history.night import accounted, carry_out_night, close, compared, night_to_do
     from plumbline.harness.history.readings import said_by
-    from plumbline.harness.history.sentences import lines_of
+    from plumbline.harness.history.sentences import lines_of, reasons
     from plumbline.harness.study.experiment import StudyError
 
     night, not_made = night_to_do(history, asked), list[str]()

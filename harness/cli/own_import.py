@@ -14,7 +14,9 @@ if TYPE_CHECKING:
     from plumbline.harness.scene.importers.commands import Log
     from plumbline.harness.scene.importers.imported import Imported
 
+
 SAME_START = 1e-6
+
 """Radians or metres: a log that begins so near the file's start has it."""
 
 
@@ -55,7 +57,7 @@ def scene_to_run(name: str, folder: Path, options: dict[str, Any]) -> str:
 def refuse_too_long(imported: "Imported") -> None:
     """Nothing is kept or run of what takes more steps than are allowed. Raises: RobotError."""
     from plumbline.harness.case.scene_file import DURATION, LADDER
-    from plumbline.harness.intake.refusal import RobotError
+    from plumbline.harness.intake.error import RobotError
     from plumbline.harness.study.foreseen_cost import too_many_steps
 
     if excess := too_many_steps(imported.duration or DURATION, imported.dt or LADDER[0]):
@@ -64,7 +66,7 @@ def refuse_too_long(imported: "Imported") -> None:
 
 def _replayed(imported: "Imported", options: "dict[str, Any]") -> "Imported":
     """The import whose joints follow --commands, for as long as they last unless a duration is said. Raises: RobotError."""
-    from plumbline.harness.intake.refusal import RobotError
+    from plumbline.harness.intake.error import RobotError
     from plumbline.harness.scene.importers.commands import read_log
     from plumbline.harness.scene.importers.replay import Gains, replayed
 

@@ -26,7 +26,7 @@ def shown_status(case: str, status: str) -> str:
 def waiting(cases: "Mapping[str, Case]", folder: Path, budget: float | None) -> "Waiting":
     """What ends a run of a scene of one's own after its budget of waiting time [s], with a first look on the way."""
     from plumbline.harness.run.waiting_time import Waiting
-    from plumbline.harness.study.own_scene import BUDGET
+    from plumbline.harness.study.study import BUDGET
 
     total = BUDGET if budget is None else budget
     return Waiting(total, cases, lambda records: _first_look(folder, records, total))
@@ -38,8 +38,8 @@ def _first_look(folder: Path, records: "Sequence[Record]", budget: float) -> Non
     from tempfile import TemporaryDirectory
 
     from plumbline.harness.findings.agreement.found import agreements
-    from plumbline.harness.findings.agreement.so_far import COLUMNS, rows_so_far, words_so_far
-    from plumbline.harness.run.progress import elapsed, since_begun
+    from plumbline.harness.findings.agreement.happened import COLUMNS, rows_so_far, words_so_far
+    from plumbline.harness.run.waiting_time import elapsed, since_begun
     from plumbline.harness.store.store import Store
     from plumbline.harness.store.stored_tables import in_order, write_tables
 

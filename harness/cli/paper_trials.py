@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from plumbline.harness.findings.columns import Column, Row, Titles, headings, milli, span
-from plumbline.harness.findings.steps_taken import substeps_of
+from plumbline.harness.findings.parameter_words import substeps_of
 
 if TYPE_CHECKING:
     from plumbline.harness.store.store import Store

@@ -12,11 +12,11 @@ from plumbline.harness.cli.robot_options import drop_option
 from plumbline.harness.intake.import_wishes import Wishes, package_roots
 
 if TYPE_CHECKING:
-    from plumbline.harness.run.importer_audit import Reading
+    from plumbline.harness.run.importer_audit import LoaderReading
     from plumbline.harness.scene.parity.difference import Difference
     from plumbline.harness.scene.parity.facts import RobotFacts
     from plumbline.harness.scene.parity.parting import Parting
-    from plumbline.harness.store.parity_record import ParityRecord, Side
+    from plumbline.harness.store.imported_scenes import ParityRecord, ParitySide
 
 _robot_file = click.Path(path_type=Path, dir_okay=False)
 
@@ -71,7 +71,7 @@ def _pair(file: Path, other: Path, wishes: Wishes, as_json: bool, options: dict[
     from plumbline.harness.scene.parity.difference import plain
     from plumbline.harness.scene.parity.joint_names import joint_names
     from plumbline.harness.scene.parity.stated import pair_of
-    from plumbline.harness.store.parity_record import Side
+    from plumbline.harness.store.imported_scenes import ParitySide
 
     if options["move"] is not None and options["commands"] is not None:
         raise click.UsageError("--move and --commands both say what moves the robots, expected one of them")
@@ -94,7 +94,7 @@ def _pair(file: Path, other: Path, wishes: Wishes, as_json: bool, options: dict[
     if parted is not None:
         say(_told(parted), err=as_json)
     say(f"compared: {', '.join(looked_at)}; not compared: {', '.join(passed_over)}", err=as_json)
-    side = Side(name=other.name, source=b.source, rows=tuple(plain(row) for row in rows))
+    side = ParitySide(name=other.name, source=b.source, rows=tuple(plain(row) for row in rows))
     parting = None if parted is None else {"move": _move_name(str(move)), **asdict(parted)}
     _keep(file, a, "floating" if a.joints and a.joints[0].kind == "free" else "fixed", (side,), options, parting)
     return bool(rows)
@@ -104,7 +104,7 @@ def _moved(a: "RobotFacts", b: "RobotFacts", options: dict[str, Any], as_json: b
     """Both under the same torques. Raises: RobotError, Unsupported."""
     import numpy as np
 
-    from plumbline.harness.intake.refusal import RobotError
+    from plumbline.harness.intake.error import RobotError
     from plumbline.harness.scene.parity.comparison import EARTH, aligned
     from plumbline.harness.scene.parity.motion import Configuration
     from plumbline.harness.scene.parity.parting import motion_of, parting
@@ -170,7 +170,7 @@ def _audit(file: Path, wishes: Wishes, as_json: bool, options: dict[str, Any]) -
     return any(reading.engine in options["gated"] and (reading.refused or reading.undocumented) for reading in readings)
 
 
-def _report(reading: "Reading", tolerance: float, as_json: bool) -> None:
+def _report(reading: "LoaderReading", tolerance: float, as_json: bool) -> None:
     """What one loader made, on the terminal."""
     if reading.refused:
         say(f"{reading.title}: {reading.refused}", err=True)
@@ -193,14 +193,14 @@ def _report(reading: "Reading", tolerance: float, as_json: bool) -> None:
         say(f"{reading.title}: of its own, where the file has no word, it gives {reading.own_words}")
 
 
-def _side(reading: "Reading") -> "Side":
+def _side(reading: "LoaderReading") -> "ParitySide":
     from plumbline.harness.scene.parity.difference import plain
-    from plumbline.harness.store.parity_record import Side
+    from plumbline.harness.store.imported_scenes import ParitySide
     from plumbline.harness.study import plugins
 
     name = f"{plugins.adapter(reading.engine).title} {reading.way}".strip()
     own = (f"of its own, where the file has no word, it gives {reading.own_words}",) if reading.own else ()
-    return Side(
+    return ParitySide(
         name=name, engine=reading.engine, source=reading.source, refused=reading.refused,
         rows=tuple(plain(row) for row in reading.rows), notes=(*reading.notes, *own), matrix_gap=reading.matrix_gap,
     )  # fmt: skip
@@ -210,7 +210,7 @@ def _keep(
     file: Path,
     a: "RobotFacts",
     root: str,
-    sides: "tuple[Side, ...]",
+    sides: "tuple[ParitySide, ...]",
     options: dict[str, Any],
     parting: dict[str, Any] | None = None,
 ) -> None:
@@ -218,13 +218,13 @@ def _keep(
     if options["out"] is None:
         return
     from plumbline import reports
-    from plumbline.harness.store import parity_record
+    from plumbline.harness.store import imported_scenes
 
-    record: ParityRecord = parity_record.ParityRecord(
+    record: ParityRecord = imported_scenes.ParityRecord(
         file=file.name, joints=len(a.joints), root=root, tolerance=options["tolerance"], seed=options["seed"], sides=sides,
         parting=parting,
     )  # fmt: skip
-    parity_record.write(options["out"], record)
+    imported_scenes.write(options["out"], record)
     say(f"page: {reports.parity_page(options['out'])}", err=True)
 
 

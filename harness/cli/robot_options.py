@@ -9,17 +9,17 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import click
 
 from plumbline.harness.cli.guard import say
-from plumbline.harness.cli.seconds import Seconds
+from plumbline.harness.cli.options import Seconds
 from plumbline.harness.intake.documents import document
+from plumbline.harness.intake.error import RobotError
 from plumbline.harness.intake.import_wishes import DROPPABLE, SCENARIOS, STARTS, Omissions, Wishes, package_roots
-from plumbline.harness.intake.refusal import RobotError
 from plumbline.harness.intake.safe_text import quoted
 
 if TYPE_CHECKING:
     from plumbline.harness.scene.importers.imported import Imported
 
 
-class Omission(click.ParamType[str]):
+class LeftOutKind(click.ParamType[str]):
     """A kind of elements, or those of the joints whose names a pattern meets: armature@root*."""
 
     name = "omission"
@@ -36,7 +36,7 @@ class Omission(click.ParamType[str]):
 def drop_option(does: str) -> Callable[[Any], Any]:
     """The option `--drop`. Args: does: what it does, to which the kinds are added."""
     kinds = f"{does}: {', '.join(sorted(DROPPABLE))}; KIND@PATTERN of joints alone whose names meet it, like armature@root*."
-    return click.option("--drop", "drop", multiple=True, metavar="KIND[@PATTERN]", type=Omission(), help=kinds)
+    return click.option("--drop", "drop", multiple=True, metavar="KIND[@PATTERN]", type=LeftOutKind(), help=kinds)
 
 
 _OPTIONS = (

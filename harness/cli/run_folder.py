@@ -1,6 +1,9 @@
-"""Commands on a run folder: its tables, its report and recordings, whether it is as written, a trial of it again."""
+"""Commands on a run folder: its tables, its report and recordings, whether it is as written, a trial of it again, a figure of
+it, and the dataset that it may become.
+"""
 
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,8 +15,8 @@ from plumbline.harness.cli.options import limited, opened, run_folder
 from plumbline.harness.cli.own_scene import shown_status
 from plumbline.harness.cli.paper_trials import paper_trials, titles_of
 from plumbline.harness.findings import tables
-from plumbline.harness.findings.columns import Column, headings
-from plumbline.harness.findings.steps_taken import step_in_words, substeps_of
+from plumbline.harness.findings.columns import Column, Row, headings
+from plumbline.harness.findings.parameter_words import step_in_words, substeps_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -21,6 +24,7 @@ if TYPE_CHECKING:
     from plumbline.harness.findings.columns import Row
     from plumbline.harness.store.store import Store
     from plumbline.reports.html.written import WrittenReport
+
 
 _TABLES = ("trials", "measurements", "samples")
 """Stored as they are; the others are worked out, one file each in `harness.findings.tables`."""
@@ -149,7 +153,7 @@ def serve(folder: Path, port: int) -> None:
 def verify(folder: Path) -> None:
     """Check each file of DIR, a run or a history, against its checksum and the journal; a line for what is not as written."""
     from plumbline.harness.history.folder import opened as opened_history
-    from plumbline.harness.history.verify_history import problems_of
+    from plumbline.harness.history.retention import problems_of
     from plumbline.harness.run.verify import notices, problems
 
     history = opened_history(folder) if (folder / "history.json").is_file() else None
@@ -196,3 +200,87 @@ def reproduce(folder: Path, trial: str) -> None:
         say("these settings promise their bits on one machine alone, and that run was made on another", err=True)
     elif found == "different":
         sys.exit(GATE)
+
+
+@click.command()
+@run_folder
+@click.option("--case", "case", required=True, metavar="CASE", help="The case to draw.")
+@click.option(
+    "--chart", type=click.Choice(["step", "price"]), help="Error against time step, or cost against error; both unless said."
+)
+@click.option("--format", "form", type=click.Choice(["svg", "pdf", "png"]), default="pdf", show_default=True)
+@click.option(
+    "--width",
+    type=click.IntRange(100, 4000),
+    default=640,
+    show_default=True,
+    help="Of the frame: in a PDF points of 1/72 inch, else pixels.",
+)
+@click.option("--out", type=click.Path(file_okay=False, path_type=Path), default=Path(), help="The folder for the files.")
+def figure(folder: Path, case: str, chart: str | None, form: str, width: int, out: Path) -> None:
+    """Draw the charts of CASE in DIR: vector graphics with text as text, in the light scheme.
+
+    Exit code 1 if a chart could not be drawn: it is named, and the others are written.
+    """
+    from plumbline.harness.store import disk
+    from plumbline.reports.html.drawing import Drawing
+    from plumbline.reports.html.written import NotWritten, picture_file
+    from plumbline.reports.paper.figures import Printed, figures_of
+
+    store = opened(folder)
+    _known(store, case)
+    drawn = [(name, made) for name, made in figures_of(store, case) if chart in (None, name)]
+    if not drawn:
+        raise click.UsageError(f"case '{case}' has no trial with a number to draw{f' as {chart}' if chart else ''}")
+    disk.make_folder(out)
+    failures: dict[str, NotWritten] = {}
+    with Drawing(folder) as beside:
+        files = {f"{made.name}.{form}": beside.ask(Printed(made, form, width)) for _, made in drawn}
+        for name, waiting in files.items():
+            content = picture_file(name, waiting, failures)
+            if isinstance(content, bytes):
+                disk.write_atomically(out / name, content)
+                say(str(out / name))
+    fail_for([each.sentence() for each in failures.values()])
+
+
+def _known(store: "Store", case: str) -> None:
+    cases = [str(name) for name in dict.fromkeys(store.trials["case"])] if len(store.trials) else []
+    if case not in cases:
+        raise click.BadParameter(f"'{case}' is no case of this run; there are {', '.join(cases)}", param_hint="--case")
+
+
+@click.command()
+@run_folder
+@click.option("--out", type=click.Path(file_okay=False, path_type=Path), help="The folder to write [the package's own].")
+def publish(folder: Path, out: Path | None) -> None:
+    """Make the run in DIR the dataset that ships with Plumbline: what `select --published` and front pages show.
+
+    In a checkout, the table of README.md is written anew from it.
+    """
+    from plumbline.harness.run.verify import problems
+    from plumbline.harness.store.published import FOLDER, MOST_BYTES, publish
+
+    store, target = opened(folder), out or FOLDER
+    problems_found = [str(problem) for problem in problems(folder)]
+    for sentence in problems_found:
+        say(sentence, err=True)
+    if problems_found:
+        sys.exit(MACHINE)
+    total = publish(store, target)
+    say(f"{target}: {total} of at most {MOST_BYTES} bytes, {len(store.trials)} trials")
+    if out is None and (readme := FOLDER.resolve().parents[2] / "README.md").is_file():
+        say(f"{readme}: {_write_table(readme)}")
+
+
+def _write_table(readme: Path) -> str:
+    """Put the table in the place of the one that is there; what came of it, in words."""
+    from plumbline.reports.tables.published import BEGIN, END, in_markdown, published_table
+
+    text, table = readme.read_text(encoding="utf-8"), published_table()
+    before, begins, rest = text.partition(BEGIN)
+    _, ends, after = rest.partition(END)
+    if table is None or not begins or not ends:
+        return f"has no place for the table, expected the lines {BEGIN} and {END}"
+    readme.write_text(f"{before}{BEGIN}\n{in_markdown(table)}\n{END}{after}", encoding="utf-8")
+    return "its table is written anew"

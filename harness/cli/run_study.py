@@ -1,8 +1,12 @@
-"""The command that runs a study, or a scene file of one's own."""
+"""The command that runs a study, or a scene file of one's own: what it says before and after, what its gate is about, and what
+reaches past one machine.
+"""
 
 import re
 import shlex
 import sys
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -10,21 +14,116 @@ import click
 
 from plumbline.api.engines import chosen_engines
 from plumbline.api.present import present
-from plumbline.harness.cli.cluster_commands import at_work
-from plumbline.harness.cli.gate import failures
 from plumbline.harness.cli.guard import GATE, INTERRUPTED, USAGE, check_words, fail_for, say, stop
 from plumbline.harness.cli.options import agreed, limited
 from plumbline.harness.cli.own_import import scene_to_run
 from plumbline.harness.cli.own_scene import closing_count, closing_words, waiting
 from plumbline.harness.cli.robot_options import NAMES, is_robot, is_scene, robot_options, run_options
-from plumbline.harness.cli.support import support_lines
 from plumbline.harness.cli.zoo_run import ZOO, run_zoo
 from plumbline.harness.intake.safe_text import quoted
 
 if TYPE_CHECKING:
+    from plumbline.harness.adapter import Adapter
     from plumbline.harness.case import Case
+    from plumbline.harness.run.cluster.workplace import Workplace
     from plumbline.harness.store.store import Store
     from plumbline.harness.study.study import Study
+
+
+@contextmanager
+def at_work(scheduler: str | None) -> "Iterator[Workplace | None]":
+    """The workers of a scheduler while a run lasts; None where none was named. Raises: NoScheduler, NoDask."""
+    if scheduler is None:
+        yield None
+        return
+
+    from plumbline.harness.run.cluster.workplace import Workplace
+
+    with Workplace(scheduler) as cluster:
+        for sentence in cluster.described():
+            say(sentence, err=True)
+        yield cluster
+
+
+@click.command()
+@click.argument("folders", nargs=-1, required=True, metavar="DIR...", type=click.Path(path_type=Path))
+@click.option("--out", required=True, type=click.Path(file_okay=False, path_type=Path), help="The folder of all of them.")
+def merge(folders: tuple[Path, ...], out: Path) -> None:
+    """Make the folders of one study's parts, run by --shard anywhere, into one."""
+    from plumbline.harness.run.merge_folders import conflicts, merge_folders
+
+    if sentences := conflicts(folders):
+        for sentence in sentences:
+            say(sentence, err=True)
+        stop(GATE, f"{len(sentences)} conflicts; nothing was written")
+    store, notes = merge_folders(folders, out)
+    for note in notes:
+        say(note, err=True)
+    report = present(store, bool(store.study.get("recordings", True)))
+    say(str(report.index))
+    fail_for(report.sentences())
+
+
+def failures(store: "Store") -> list[str]:
+    """What the gate is about: the reference engine's checks on the tuned track and its determinism, the audit of effects, and
+    tuned tracks of all engines that a change of one knob beats without a reason."""
+    from plumbline.harness.findings.effects_audit import JUDGE, audit
+    from plumbline.harness.findings.parameter_words import step_in_words, substeps_of
+    from plumbline.harness.findings.tables import determinism, dominance
+    from plumbline.harness.findings.tables.effects import TABLE
+
+    ours = [name for name in store.trials["engine"].unique() if store.described("engines", name)["ours"]]
+    # Bounds are meant for the steps that a study names, not for those that a sweep goes on to.
+    trials = store.asked[store.asked["round"] == 0]
+    broken = trials[
+        trials["engine"].isin(ours) & (trials["track"] == "tuned") & ~trials["status"].isin(("passed", "unsupported"))
+    ]
+    sentences = [
+        f"gate: {row.case} on {row.engine}/{row.track} at dt {step_in_words(row.dt, substeps_of(str(row.resolved)))}: "
+        f"{row.status}: {row.reason}"
+        for row in broken.itertuples()
+    ]
+    sentences += [f"determinism: {sentence}" for sentence in determinism.broken(determinism.repetitions(store), ours)]
+    # Another engine that stands in for the judge may see worse than it: its word is in the table, and gates nothing.
+    judged = audit([row for row in TABLE.rows(store) if row["engine"] == JUDGE])
+    sentences += [f"audit: {sentence}" for sentence in judged.sentences()]
+    return sentences + [f"dominance: {sentence}" for sentence in dominance.unexcused(store)]
+
+
+def support_lines(cases: "Mapping[str, Case]", adapters: "Mapping[str, Adapter]", droppable: bool = False) -> list[str]:
+    """By the features that scenes use and adapters claim; building one may still be refused, which is then its outcome.
+
+    Reasons stand once, with the number of cases that each keeps from running.
+
+    Args: droppable: is the one scene of a robot's file, of which `--drop` can leave out what an engine lacks?
+    """
+    from plumbline.harness.adapter.features import features_of
+    from plumbline.harness.case.undropped import KINDS
+    from plumbline.harness.study.plugins import version_of
+
+    used = {name: features_of(case.scene(case.parameters)) for name, case in cases.items()}
+    lines = []
+    for name, adapter in adapters.items():
+        version, reason = version_of(adapter)
+        if reason is not None:
+            lines.append(f"{name}: cannot: {reason}")
+            continue
+        lacking = {case: features & ~adapter.features for case, features in used.items()}
+        runs = sum(not features for features in lacking.values())
+        counts: dict[str, int] = {}
+        for features in lacking.values():
+            for word in features.names:
+                counts[word] = counts.get(word, 0) + 1
+        ranked = sorted(counts.items(), key=lambda pair: (-pair[1], pair[0]))
+        if len(cases) == 1:
+            kinds = {**KINDS, "tendon": "tendon"}
+            drops = " ".join(f"--drop {kinds[word]}" for word in counts if word in kinds)
+            without = f"; it runs with {drops}" if droppable and counts.keys() <= kinds.keys() else ""
+            lines.append(f"{name} {version}: " + ("runs" if runs else f"cannot: it lacks {', '.join(counts)}{without}"))
+        else:
+            without = ", ".join(f"{word} ({count})" for word, count in ranked)
+            lines.append(f"{name} {version}: runs {runs} of {len(cases)} cases" + (f"; lacks {without}" if without else ""))
+    return lines
 
 
 def _parse_shard(_context: click.Context, _parameter: click.Parameter, text: str) -> tuple[int, int]:
@@ -44,7 +143,7 @@ def _parse_address(_context: click.Context, _parameter: click.Parameter, text: s
 def _study_and_cases(name: str, own: bool, globs: tuple[str, ...], budget: float | None) -> "tuple[Study, dict[str, Case]]":
     from plumbline.api.studies import study_and_cases
     from plumbline.harness.study import plugins
-    from plumbline.harness.study.own_scene import study_of
+    from plumbline.harness.study.study import study_of
 
     if own:
         path = str(Path(name).resolve())

@@ -31,7 +31,7 @@ def scene() -> None:
 def check(file: Path, as_json: bool, **options: Any) -> None:
     """Say what would be refused of FILE, or that nothing is, and which engines cannot express the scene."""
     from plumbline.harness.study import plugins
-    from plumbline.harness.study.expressed import expressed_apart
+    from plumbline.harness.study.zoo.taking_in import expressed_apart
 
     imported = imported_from(file, options)
     rows = [

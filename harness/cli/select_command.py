@@ -106,7 +106,7 @@ def select(
 ) -> None:
     """Which engine suits a purpose, and how sure that is, by the runs in DIR."""
     from plumbline.harness.findings.selection import Wish, choose, listing, read_preset
-    from plumbline.harness.findings.selection.preset import merged
+    from plumbline.harness.findings.selection.wish import merged
 
     store = _store(folder, published)
     base = read_preset(preset).wish() if preset else Wish()
@@ -157,7 +157,7 @@ def _print_evidence(answer: "Answer", as_json: bool) -> None:
 
 
 def _known(store: "Store", need: tuple[str, ...]) -> tuple[str, ...]:
-    from plumbline.harness.findings.selection.preset import unmatched
+    from plumbline.harness.findings.selection.wish import unmatched
 
     for name, known in unmatched(store, need):
         raise click.BadParameter(f"'{name}' is no family or case of this run; families are {known}", param_hint="--need")

@@ -10,33 +10,33 @@ from plumbline.harness.cli.guard import INTERRUPTED, USAGE, check_words, fail_fo
 if TYPE_CHECKING:
     from plumbline.harness.adapter import Adapter
     from plumbline.harness.store.store import Store
-    from plumbline.harness.study.zoo.robots import Robot
+    from plumbline.harness.study.zoo.robots import ZooRobot
 
 
 ZOO = "zoo"
 """The study, and the folder that it is run into unless another is named."""
 
 
-def zoo_robots(globs: Sequence[str], agreed: bool) -> "list[Robot]":
+def zoo_robots(globs: Sequence[str], agreed: bool) -> "list[ZooRobot]":
     """The robots of the zoo that a pattern names, with their packages installed where that is agreed to.
 
     Raises: PlumblineError, of a pattern that names none, and where nothing is installed.
     """
     from plumbline.harness.intake.error import PlumblineError
-    from plumbline.harness.run import zoo_packages
+    from plumbline.harness.run import zoo_intake
     from plumbline.harness.run.make_environment import NotMade
     from plumbline.harness.study.zoo.robots import chosen, robots
 
     if agreed:
         try:
-            zoo_packages.install()
+            zoo_intake.install()
         except NotMade as error:
             raise PlumblineError(f"the packages of the zoo were not installed: {error}") from None
-    zoo_packages.look()
+    zoo_intake.look()
     wanted = chosen(robots(), globs)
     if not any(robot.version for robot in wanted):
         raise PlumblineError(
-            f"none of the packages of the zoo is installed: add --yes to install them ({zoo_packages.PRICE}) in a folder of "
+            f"none of the packages of the zoo is installed: add --yes to install them ({zoo_intake.PRICE}) in a folder of "
             "their own, or: pip install 'plumbline[zoo]'"
         )
     return wanted
@@ -82,7 +82,7 @@ def run_zoo(
 
 def carried_out(
     folder: Path,
-    robots: "Sequence[Robot]",
+    robots: "Sequence[ZooRobot]",
     adapters: "Mapping[str, Adapter]",
     *,
     workers: int,
@@ -95,8 +95,7 @@ def carried_out(
     """
     from plumbline.harness.run.campaign import carry_out
     from plumbline.harness.run.interrupt import until
-    from plumbline.harness.run.robot_by_robot import RobotByRobot
-    from plumbline.harness.run.zoo_intake import taken_in
+    from plumbline.harness.run.zoo_intake import RobotByRobot, taken_in
     from plumbline.harness.store.journal import FolderTaken
     from plumbline.harness.study import plugins
     from plumbline.harness.study.experiment import StudyError

@@ -23,15 +23,15 @@ A feature that the adapter does not claim makes the checks that need it not appl
 """
 
 from plumbline.harness.conformance.catalogue import CHECKS
-from plumbline.harness.conformance.check import ConformanceCheck, Finding
+from plumbline.harness.conformance.check import CheckResult, ConformanceCheck
 from plumbline.harness.conformance.checks.sensing.inertial import noise_axes_are_independent
-from plumbline.harness.conformance.outcomes import Outcome, gate, run_check, run_conformance
+from plumbline.harness.conformance.outcomes import CheckOutcome, gate, run_check, run_conformance
 
 __all__ = [
     "CHECKS",
     "ConformanceCheck",
-    "Finding",
-    "Outcome",
+    "CheckResult",
+    "CheckOutcome",
     "gate",
     "noise_axes_are_independent",
     "run_check",

@@ -14,7 +14,7 @@ from pathlib import Path
 from pydantic import TypeAdapter, ValidationError
 
 from plumbline.harness.conformance.catalogue import CHECKS
-from plumbline.harness.conformance.outcomes import Outcome, run_check
+from plumbline.harness.conformance.outcomes import CheckOutcome, run_check
 from plumbline.harness.intake.apart import START
 from plumbline.harness.intake.bounded import Bounded, absolute
 from plumbline.harness.study import plugins
@@ -24,18 +24,18 @@ LONGEST = 60.0
 """Seconds of CPU time that one check may take, as a trial of a study; most take less than one."""
 MOST_LOST = 3
 """Checks in a row without an outcome, after which the others are not asked."""
-_LINE: TypeAdapter[Outcome] = TypeAdapter(Outcome)
+_LINE: TypeAdapter[CheckOutcome] = TypeAdapter(CheckOutcome)
 _Asked = tuple[str, str]
 """Track and name of a check."""
 
 
-def outcomes_in(environment: Environment | None, name: str, tracks: Sequence[str]) -> tuple[Outcome, ...]:
+def outcomes_in(environment: Environment | None, name: str, tracks: Sequence[str]) -> tuple[CheckOutcome, ...]:
     """All checks on these tracks, in order.
 
     Args: environment: None for this interpreter. name: of the engine, or of a version like 'mujoco 3.3.0'. Raises: OSError.
     """
     left: list[_Asked] = [(track, check.name) for track in tracks for check in CHECKS]
-    outcomes: list[Outcome] = []
+    outcomes: list[CheckOutcome] = []
     lost = 0
     while left and lost < MOST_LOST:
         answered, how = _asked(environment, name, left)
@@ -49,13 +49,13 @@ def outcomes_in(environment: Environment | None, name: str, tracks: Sequence[str
     return (*outcomes, *(_failed(name, asked, why) for asked in left))
 
 
-def _failed(name: str, asked: _Asked, message: str) -> Outcome:
+def _failed(name: str, asked: _Asked, message: str) -> CheckOutcome:
     track, check = asked
     question = next(each.question for each in CHECKS if each.name == check)
-    return Outcome(engine=name, track=track, check=check, question=question, status="failed", message=message)
+    return CheckOutcome(engine=name, track=track, check=check, question=question, status="failed", message=message)
 
 
-def _asked(environment: Environment | None, name: str, checks: Sequence[_Asked]) -> tuple[list[Outcome], str]:
+def _asked(environment: Environment | None, name: str, checks: Sequence[_Asked]) -> tuple[list[CheckOutcome], str]:
     """The outcomes of the first of these checks, and how the process ended under the next one."""
     interpreter = sys.executable if environment is None else environment.executable
     folders = absolute(sys.path) if environment is None else project_folders()
@@ -70,7 +70,7 @@ def _asked(environment: Environment | None, name: str, checks: Sequence[_Asked])
         while program.running and program.wait(allowed, further) and program.running:
             read = program.answer.stat().st_size
         ended = program.ended()
-    outcomes: list[Outcome] = []
+    outcomes: list[CheckOutcome] = []
     for line, (track, check) in zip(ended.answer.split(b"\n"), checks, strict=False):
         try:
             outcome = _LINE.validate_json(line)

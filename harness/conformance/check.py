@@ -15,7 +15,7 @@ class NotApplicable(Exception):
 
 
 @dataclass(frozen=True, slots=True)
-class Finding:
+class CheckResult:
     """What one check found: its verdict, and got against expected in words."""
 
     status: Literal["passed", "failed", "not_applicable"]
@@ -35,7 +35,7 @@ class ConformanceCheck:
 
     name: str
     question: str
-    run: Callable[[Adapter, Settings], Finding]
+    run: Callable[[Adapter, Settings], CheckResult]
     needs: Feature = Feature.NONE
     excusable: bool = True
 
@@ -49,7 +49,7 @@ class ConformanceCheck:
 CHECKS: list[ConformanceCheck] = []
 """Every check that is defined so far, in the order of definition; `harness.conformance.CHECKS` are all of them."""
 
-Run = TypeVar("Run", bound=Callable[[Adapter, Settings], Finding])
+Run = TypeVar("Run", bound=Callable[[Adapter, Settings], CheckResult])
 
 
 def check(question: str, needs: Feature = Feature.NONE, *, firm: bool = False, name: str = "") -> Callable[[Run], Run]:
@@ -66,7 +66,7 @@ def check(question: str, needs: Feature = Feature.NONE, *, firm: bool = False, n
 
 
 @dataclass(frozen=True, slots=True)
-class Comparison:
+class Compared:
     """One comparison of a check, with its verdict in words.
 
     Terms:
@@ -83,20 +83,20 @@ def _worded(value: ArrayLike) -> str:
     return f"{array:.6g}" if array.ndim == 0 else np.array2string(array, precision=6, separator=", ", threshold=12)
 
 
-def near(what: str, got: ArrayLike, expected: ArrayLike, within: float, because: str = "") -> Comparison:
+def near(what: str, got: ArrayLike, expected: ArrayLike, within: float, because: str = "") -> Compared:
     """Is every number of `got` within `within` of `expected`? NaN is near to nothing."""
     got_array, expected_array = np.asarray(got, dtype=np.float64), np.asarray(expected, dtype=np.float64)
     if got_array.shape != expected_array.shape:
-        return Comparison(False, f"{what}: got shape {got_array.shape}, expected {expected_array.shape}")
+        return Compared(False, f"{what}: got shape {got_array.shape}, expected {expected_array.shape}")
     with np.errstate(all="ignore"):
         holds = bool((np.abs(got_array - expected_array) <= within).all())
     reason = f" ({because})" if because else ""
-    return Comparison(
+    return Compared(
         holds, f"{what}: got {_worded(got)}, expected {_worded(expected)} within {within:.3g}{reason}", measured=True
     )
 
 
-def all_near(*numbers: tuple[str, ArrayLike, ArrayLike, float], because: str) -> list[Comparison]:
+def all_near(*numbers: tuple[str, ArrayLike, ArrayLike, float], because: str) -> list[Compared]:
     """Several comparisons (what, got, expected, within), in words only if one does not hold: numbers take longer to print than
     to compare. NaN is near to nothing."""
     shares = [
@@ -104,18 +104,20 @@ def all_near(*numbers: tuple[str, ArrayLike, ArrayLike, float], because: str) ->
         for _, got, expected, within in numbers
     ]
     if all(share <= 1.0 for share in shares):
-        return [Comparison(True, f"{numbers[0][0]} and more: at most {max(shares):.2g} of what is allowed", measured=True)]
+        return [Compared(True, f"{numbers[0][0]} and more: at most {max(shares):.2g} of what is allowed", measured=True)]
     return [near(what, got, expected, within, because) for what, got, expected, within in numbers]
 
 
-def that(holds: bool, text: str) -> Comparison:
+def that(holds: bool, text: str) -> Compared:
     """A comparison whose verdict is known; `text` says what is wrong where it does not hold: got, expected."""
-    return Comparison(bool(holds), text)
+    return Compared(bool(holds), text)
 
 
-def judge(*comparisons: Comparison) -> Finding:
+def judge(*comparisons: Compared) -> CheckResult:
     """Passed when all hold; otherwise failed, naming those that do not."""
     wrong = [comparison.text for comparison in comparisons if not comparison.holds]
     if wrong:
-        return Finding("failed", "; ".join(wrong))
-    return Finding("passed", "; ".join(comparison.text for comparison in comparisons if comparison.measured) or "as expected")
+        return CheckResult("failed", "; ".join(wrong))
+    return CheckResult(
+        "passed", "; ".join(comparison.text for comparison in comparisons if comparison.measured) or "as expected"
+    )

@@ -9,20 +9,20 @@ from plumbline.harness.adapter import Adapter, Feature
 from plumbline.harness.conformance.apart import LONGEST
 from plumbline.harness.conformance.catalogue import CHECKS
 from plumbline.harness.conformance.check import ConformanceCheck
-from plumbline.harness.conformance.outcomes import Outcome, run_check
+from plumbline.harness.conformance.outcomes import CheckOutcome, run_check
 from plumbline.harness.intake.bounded import limit_files, named_signal
 from plumbline.harness.intake.deadline import Deadline
 from plumbline.harness.run.fork_servers import WORTH_A_SERVER, expect, loaded, start
 from plumbline.harness.run.message import BrokenMessage, Inbox, read_value, send
 from plumbline.harness.study import plugins
 
-_REFUSED: dict[tuple[str, str, Feature], Outcome] = {}
+_REFUSED: dict[tuple[str, str, Feature], CheckOutcome] = {}
 """By engine, track and the features that it lacks: an outcome that said it refuses them, as it should."""
 _LISTENS = 1.0
 """Seconds between looks at its deadline."""
 
 
-def outcome_of(adapter: Adapter, track: Literal["default", "tuned"], check: ConformanceCheck) -> Outcome:
+def outcome_of(adapter: Adapter, track: Literal["default", "tuned"], check: ConformanceCheck) -> CheckOutcome:
     """What the check found, or that its process ended without a word, in how many seconds of CPU time it may.
 
     An engine that lacks what a check needs is asked once whether it refuses that, and not once for each such check."""
@@ -35,7 +35,7 @@ def outcome_of(adapter: Adapter, track: Literal["default", "tuned"], check: Conf
     return outcome
 
 
-def _asked(adapter: Adapter, track: Literal["default", "tuned"], check: ConformanceCheck) -> Outcome:
+def _asked(adapter: Adapter, track: Literal["default", "tuned"], check: ConformanceCheck) -> CheckOutcome:
     expect([__name__])
     process = start(loaded(adapter.loads, WORTH_A_SERVER), _put, adapter.name, track, check.name)
     inbox, deadline = Inbox(process.pipe), Deadline(process.pid, LONGEST + adapter.compile_allowance)
@@ -43,7 +43,7 @@ def _asked(adapter: Adapter, track: Literal["default", "tuned"], check: Conforma
         while (message := inbox.next(_LISTENS)) is None:
             if late := deadline.passed():
                 return _failed(adapter, track, check, f"did not end within {LONGEST + adapter.compile_allowance:g} s, {late}")
-        outcome: Outcome = read_value(Outcome, message[1])
+        outcome: CheckOutcome = read_value(CheckOutcome, message[1])
         return outcome
     except EOFError:
         code = process.exit_code()
@@ -56,8 +56,8 @@ def _asked(adapter: Adapter, track: Literal["default", "tuned"], check: Conforma
         inbox.pipe.close()
 
 
-def _failed(adapter: Adapter, track: str, check: ConformanceCheck, how: str) -> Outcome:
-    return Outcome(
+def _failed(adapter: Adapter, track: str, check: ConformanceCheck, how: str) -> CheckOutcome:
+    return CheckOutcome(
         engine=adapter.name,
         track=track,
         check=check.name,

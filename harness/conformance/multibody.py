@@ -22,7 +22,7 @@ _MOMENT = 1e-4
 
 
 @dataclass(frozen=True, slots=True)
-class Motion:
+class EndState:
     """The state at the end, and what tells how far a method of first order may be off on the way there.
 
     Terms:
@@ -257,7 +257,7 @@ class Multibody:
             total += wanted if drive.limit is None else max(-drive.limit, min(drive.limit, wanted))
         return total - (joint.friction_loss or 0.0) * float(np.sign(rate))
 
-    def motion(self, duration: float, steps: int) -> Motion:
+    def motion(self, duration: float, steps: int) -> EndState:
         """Where all is after `duration` [s], in so many steps of the classical Runge-Kutta method."""
         state, h, last = self.start(), duration / steps, np.zeros(0)
         grown, changed = np.zeros((2, len(state))), np.zeros((2, len(state)))
@@ -286,4 +286,4 @@ class Multibody:
         self._led(state, duration)
         gained, turned, varied, swung = (float(row.max()) for row in (*grown, *changed))
         bodies = state[:-1]
-        return Motion(bodies[:, :3], bodies[:, 3:7], bodies[:, 7:10], bodies[:, 10:], gained, turned, varied, swung)
+        return EndState(bodies[:, :3], bodies[:, 3:7], bodies[:, 7:10], bodies[:, 10:], gained, turned, varied, swung)

@@ -6,12 +6,12 @@ from typing import Literal
 
 from plumbline.harness.adapter import Adapter, SettingsError, Unsupported
 from plumbline.harness.conformance.catalogue import CHECKS
-from plumbline.harness.conformance.check import ConformanceCheck, Finding, NotApplicable
+from plumbline.harness.conformance.check import CheckResult, ConformanceCheck, NotApplicable
 from plumbline.harness.conformance.checks.contract.features import refusal
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Outcome:
+class CheckOutcome:
     """How one check went on one track of one engine.
 
     Terms:
@@ -32,7 +32,7 @@ _WORST_FIRST = ("failed", "improved", "known", "passed", "not_applicable")
 _ENDED = {"failed": "fail", "improved": "pass though declared to fail", "known": "fail as declared", "passed": "pass"}
 
 
-def in_brief(outcomes: Iterable[Outcome]) -> str:
+def in_brief(outcomes: Iterable[CheckOutcome]) -> str:
     """'80 of 203 checks apply; all 80 pass': each check counts once, by its worst outcome on any track."""
     worst: dict[str, str] = {}
     for outcome in outcomes:
@@ -45,7 +45,7 @@ def in_brief(outcomes: Iterable[Outcome]) -> str:
     return f"{apply} of {len(worst)} checks apply; {ended}"
 
 
-def _finding(adapter: Adapter, track: str, check: ConformanceCheck) -> Finding:
+def _finding(adapter: Adapter, track: str, check: ConformanceCheck) -> CheckResult:
     """The check's own verdict; every exception is a failure that names it."""
     try:
         settings = adapter.tracks[track]
@@ -54,17 +54,17 @@ def _finding(adapter: Adapter, track: str, check: ConformanceCheck) -> Finding:
             return refusal(adapter, settings, missing)
         return check.run(adapter, settings)
     except NotApplicable as reason:
-        return Finding("not_applicable", str(reason))
+        return CheckResult("not_applicable", str(reason))
     except Unsupported as error:
         claimed = ", ".join(check.needs.names) or "nothing in particular"
-        return Finding("failed", f"Unsupported: {error}; the check needs {claimed}, which the engine claims")
+        return CheckResult("failed", f"Unsupported: {error}; the check needs {claimed}, which the engine claims")
     except SettingsError as error:
-        return Finding("failed", f"SettingsError on the track's own settings: {error}")
+        return CheckResult("failed", f"SettingsError on the track's own settings: {error}")
     except Exception as error:
-        return Finding("failed", f"{type(error).__name__}: {error}")
+        return CheckResult("failed", f"{type(error).__name__}: {error}")
 
 
-def run_check(adapter: Adapter, track: str, check: ConformanceCheck) -> Outcome:
+def run_check(adapter: Adapter, track: str, check: ConformanceCheck) -> CheckOutcome:
     """One check on one track; declared failures are strict expectations."""
     finding = _finding(adapter, track, check)
     reason = adapter.known_failures.get(f"{track}/{check.name}")
@@ -82,12 +82,14 @@ def run_check(adapter: Adapter, track: str, check: ConformanceCheck) -> Outcome:
             )
         else:
             status, message = "failed", f"declared as a known failure ({reason}), but it does not apply; {message}"
-    return Outcome(engine=adapter.name, track=track, check=check.name, question=check.question, status=status, message=message)
+    return CheckOutcome(
+        engine=adapter.name, track=track, check=check.name, question=check.question, status=status, message=message
+    )
 
 
 def run_conformance(
     adapter: Adapter, tracks: tuple[str, ...] = ("default", "tuned"), checks: Iterable[ConformanceCheck] = CHECKS
-) -> tuple[Outcome, ...]:
+) -> tuple[CheckOutcome, ...]:
     """All checks on the given tracks.
 
     Raises:
@@ -98,7 +100,7 @@ def run_conformance(
     return tuple(run_check(adapter, track, check) for track in tracks for check in chosen)
 
 
-def gate(outcomes: Iterable[Outcome]) -> bool:
+def gate(outcomes: Iterable[CheckOutcome]) -> bool:
     """May this adapter be scored? Every outcome is passed, not applicable, or failing as declared; and there is one at all."""
     seen = tuple(outcomes)
     return bool(seen) and all(outcome.status in {"passed", "known", "not_applicable"} for outcome in seen)

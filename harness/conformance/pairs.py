@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from plumbline.harness.adapter import Feature
-from plumbline.harness.conformance.multibody import Motion, Multibody, matrix
+from plumbline.harness.conformance.multibody import EndState, Multibody, matrix
 from plumbline.harness.conformance.scenes import TURNED, G, free
 from plumbline.harness.scene import (
     WORLD,
@@ -66,7 +66,7 @@ _RATE = 1.5
 
 
 @dataclass(frozen=True, slots=True)
-class Plan:
+class PairPlan:
     """A scene in the making: bodies by name in their order, joints in theirs, and how it is run."""
 
     bodies: dict[str, Body]
@@ -85,9 +85,9 @@ class Plan:
 class Task:
     """What an engine is asked, and the motion that follows from the laws alone."""
 
-    plan: Plan
+    plan: PairPlan
     scene: Scene
-    expected: Motion
+    expected: EndState
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,20 +101,20 @@ class Noun:
 
     name: str
     needs: Feature
-    add: Callable[[Plan], Plan] = lambda plan: plan
+    add: Callable[[PairPlan], PairPlan] = lambda plan: plan
     joint: str = ""
     coordinate: bool = False
     moved: bool = False
 
 
-def _body(plan: Plan, name: str, **fields: Any) -> Plan:
+def _body(plan: PairPlan, name: str, **fields: Any) -> PairPlan:
     """A plan with a body changed, where there is that body."""
     if name not in plan.bodies:
         return plan
     return replace(plan, bodies=plan.bodies | {name: replace(plan.bodies[name], **fields)})
 
 
-def _axial(plan: Plan, fields: Callable[[Revolute | Prismatic], dict[str, Any]]) -> Plan:
+def _axial(plan: PairPlan, fields: Callable[[Revolute | Prismatic], dict[str, Any]]) -> PairPlan:
     """A plan with its last joint of one coordinate changed."""
     last = max(k for k, joint in enumerate(plan.joints) if isinstance(joint, Revolute | Prismatic))
     joint = plan.joints[last]
@@ -122,7 +122,7 @@ def _axial(plan: Plan, fields: Callable[[Revolute | Prismatic], dict[str, Any]])
     return replace(plan, joints=(*plan.joints[:last], replace(joint, **fields(joint)), *plan.joints[last + 1 :]))
 
 
-def _start_pose(plan: Plan) -> Plan:
+def _start_pose(plan: PairPlan) -> PairPlan:
     """The coordinate counts from elsewhere than the pose that the scene starts in; limits and targets go along."""
 
     def fields(joint: Revolute | Prismatic) -> dict[str, Any]:
@@ -143,12 +143,12 @@ def _drive(joint: Revolute | Prismatic) -> dict[str, Any]:
     return {"drive": Drive(stiffness=stiffness, damping=damping, target=joint.position + ahead)}
 
 
-def _limited(lower: float | None, upper: float | None, start: float) -> Callable[[Plan], Plan]:
+def _limited(lower: float | None, upper: float | None, start: float) -> Callable[[PairPlan], PairPlan]:
     """Limits about a coordinate that starts within them, its zero outside: counted from there, one would be in its way."""
     return lambda plan: _axial(plan, lambda _: {"position": start, "limits": Limits(lower=lower, upper=upper)})
 
 
-def _spring(plan: Plan) -> Plan:
+def _spring(plan: PairPlan) -> PairPlan:
     """A spring between points of parent and child, tied off their centres and off the joint, stretched, with a damper."""
     parent = "parent" if "parent" in plan.bodies else WORLD
     line = Distance(
@@ -162,7 +162,7 @@ def _spring(plan: Plan) -> Plan:
     return replace(plan, joints=(*plan.joints, line))
 
 
-def _offset(plan: Plan) -> Plan:
+def _offset(plan: PairPlan) -> PairPlan:
     """Products of inertia, and a shape that is placed and turned off the centre of mass."""
     R = matrix(np.array(_ASKEW))
     inertia = R @ np.diag([0.05, 0.07, 0.06]) @ R.T
@@ -171,13 +171,13 @@ def _offset(plan: Plan) -> Plan:
     return _body(plan, "child", inertia=rows, collision=(shape, *plan.bodies["child"].collision))
 
 
-def _compound(plan: Plan) -> Plan:
+def _compound(plan: PairPlan) -> PairPlan:
     """Two more shapes, of which none touches anything."""
     balls = tuple(PlacedShape(shape=Sphere(radius=0.03), p_BS=p) for p in ((0.1, 0.0, 0.05), (-0.1, 0.05, 0.0)))
     return _body(plan, "child", collision=(*plan.bodies["child"].collision, *balls))
 
 
-def _prescribed(plan: Plan) -> Plan:
+def _prescribed(plan: PairPlan) -> PairPlan:
     """The parent is led: shaken along one direction while it turns about another, through a point of its own."""
     law = Prescribed(
         shifts=(Shift(axis_W=(0.6, 0.0, 0.8), motion=Sinusoid(amplitude=0.05, frequency=2.0, phase=0.5)),),
@@ -186,7 +186,7 @@ def _prescribed(plan: Plan) -> Plan:
     return _body(plan, "parent", motion="kinematic", prescribed=law, v_WB=(0.0, 0.0, 0.0), w_WB=(0.0, 0.0, 0.0))
 
 
-def _second_joint(plan: Plan) -> Plan:
+def _second_joint(plan: PairPlan) -> PairPlan:
     """A slide before the last joint of one coordinate, with nothing that has mass between the two."""
     last = max(k for k, joint in enumerate(plan.joints) if isinstance(joint, Revolute | Prismatic))
     joint = plan.joints[last]
@@ -250,7 +250,7 @@ class Pair:
             total |= kinds[kind]
         return total
 
-    def plan(self) -> Plan:
+    def plan(self) -> PairPlan:
         """The scene and how it is run."""
         bodies = {} if self.hung else {"parent": free("parent", mass=3.0, moments=(0.3, 0.2, 0.25))}
         child = free("child", mass=1.5, moments=(0.05, 0.07, 0.06), p=_vector(_CHILD))
@@ -266,13 +266,13 @@ class Pair:
             along = {} if kind == "ball" else {"axis_W": axis}
             joints.append(make(name=kind, parent=upper, child=lower, anchor_W=_vector(anchor), **along))
             upper, anchor, axis = lower, _FURTHER, _SECOND
-        plan = Plan(bodies, tuple(joints))
+        plan = PairPlan(bodies, tuple(joints))
         for noun in self.nouns:
             plan = noun.add(plan)
         return _set_going(plan)
 
 
-def _set_going(plan: Plan) -> Plan:
+def _set_going(plan: PairPlan) -> PairPlan:
     """Give what hangs on joints the velocities that these allow: those of the parent, and a rate along what is free."""
     for joint in plan.joints:
         if not isinstance(joint, Revolute | Prismatic | Ball):

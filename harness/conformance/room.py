@@ -1,15 +1,17 @@
-"""A room of six walls, whose ranges have a closed form, and a body that flies and turns in it with sensors mounted askew."""
+"""Running a scene on an adapter; and a room of six walls, whose ranges have a closed form, in which a body flies and turns with
+sensors mounted askew.
+"""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from plumbline.harness.adapter import Adapter, Settings
-from plumbline.harness.conformance.check import Comparison, near
-from plumbline.harness.conformance.exact import first_hit, rotation
-from plumbline.harness.conformance.runs import built, state_of
-from plumbline.harness.conformance.scenes import TURNED, free, static
+from plumbline.harness.adapter import Adapter, Settings, Simulation
+from plumbline.harness.conformance.check import Compared, near
+from plumbline.harness.conformance.scenes import TURNED, first_hit, free, rotation, static
 from plumbline.harness.scene import (
     Appearance,
     Body,
@@ -20,7 +22,60 @@ from plumbline.harness.scene import (
     multiply,
 )
 from plumbline.harness.sensors.recorder import SensorRecorder
-from plumbline.harness.trajectory import Floats, State
+from plumbline.harness.trajectory import Floats, State, Trajectory
+
+COARSE = 1 / 240
+"""Time step of checks on free motion [s]."""
+FINE = 1e-3
+"""Time step of checks on contacts and joints [s]: small enough that first-order schemes err by less than the tolerances."""
+ROUNDING = 1e-5
+"""Relative rounding granted after some hundred steps: engines in single precision (2^-24 = 6e-8 a step) must pass."""
+
+
+@contextmanager
+def built(adapter: Adapter, scene: Scene, settings: Settings) -> Iterator[Simulation]:
+    """The scene in the engine, closed at the end whatever happens."""
+    simulation = adapter.build(scene, settings)
+    try:
+        yield simulation
+    finally:
+        simulation.close()
+
+
+def state_of(simulation: Simulation, scene: Scene) -> State:
+    """The present state in fresh arrays, filled with NaN before, so that what is not written is seen."""
+    n = len(scene.bodies)
+    out = State(np.full((n, 3), np.nan), np.full((n, 4), np.nan), np.full((n, 3), np.nan), np.full((n, 3), np.nan))
+    simulation.state(out)
+    return out
+
+
+def final(adapter: Adapter, scene: Scene, settings: Settings, duration: float) -> State:
+    """The state after `duration` [s], rounded to whole steps, in one call of step."""
+    with built(adapter, scene, settings) as simulation:
+        simulation.step(round(duration / settings.dt))
+        return state_of(simulation, scene)
+
+
+def record(adapter: Adapter, scene: Scene, settings: Settings, duration: float, every: int = 1) -> Trajectory:
+    """The states from 0 to `duration` [s], each `every` steps."""
+    samples = round(duration / settings.dt / every)
+    time = np.array([k * every * settings.dt for k in range(samples + 1)], dtype=np.float64)
+    states: list[State] = []
+    with built(adapter, scene, settings) as simulation:
+        for k in range(samples + 1):
+            if k:
+                simulation.step(every)
+            states.append(state_of(simulation, scene))
+    return Trajectory(
+        time,
+        np.stack([s.p_WB for s in states]),
+        np.stack([s.q_WB for s in states]),
+        np.stack([s.v_WB for s in states]),
+        np.stack([s.w_WB for s in states]),
+        settings.dt,
+    )
+
 
 MOUNT: dict[str, Any] = {
     "body": "carrier",
@@ -112,7 +167,7 @@ def mounted(state: State) -> tuple[Floats, Floats]:
     return state.p_WB[0] + R_WB @ MOUNT["p_BS"], R_WB @ rotation(MOUNT["q_BS"])
 
 
-def worst(what: str, got: Floats, expected: Floats, within: float, because: str = "") -> Comparison:
+def worst(what: str, got: Floats, expected: Floats, within: float, because: str = "") -> Compared:
     """Is all of an array, infinities apart, near what is expected? NaN is near to nothing."""
     if got.shape != expected.shape:
         return near(what, got, expected, within)

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from plumbline.harness.case.alteration import EVERYTHING
-from plumbline.harness.case.own_titles import called
+from plumbline.harness.case.undropped import called
 from plumbline.harness.store.rows import grouped
 
 JUDGE = "reference"

@@ -10,13 +10,10 @@ import pandas as pd
 from plumbline.harness.case import Axis
 from plumbline.harness.findings.once import all_once
 from plumbline.harness.findings.parameter_words import STEP, differing, in_words
-from plumbline.harness.search.along_axis import Point, unchanged
-from plumbline.harness.search.first_break import BROKE, Bracket, Ruler, bracket
-from plumbline.harness.store.notices import StoredNotice
+from plumbline.harness.search.first_break import BROKE, Bracket, ErrorAt, Ruler, bracket, unchanged
+from plumbline.harness.store.record import StoredNotice
 from plumbline.harness.store.store import Store
-from plumbline.harness.study.axes import axis_among
-from plumbline.harness.study.experiment import Experiment
-from plumbline.harness.study.stored_study import experiments_of
+from plumbline.harness.study.experiment import Experiment, axis_among, experiments_of
 from plumbline.harness.trial.ensemble import BROKE_BY, HEADLINE, HELD, OWN_CHECKS, STARTS
 
 CONSTANT = "no limit"
@@ -109,7 +106,7 @@ class Search:
     holds: tuple[Hold, ...] = ()
     own_holds: bool | None = None
     noticed: tuple[StoredNotice, ...] = ()
-    along: tuple[Point, ...] = ()
+    along: tuple[ErrorAt, ...] = ()
 
     @property
     def along_in_words(self) -> str:
@@ -226,7 +223,7 @@ def _search(
     reason = last.reason if interval.stopped or (broke is None and held is None) else ""
     tried = sorted(at, key=by.place)
     worst = [(value, _readings(store, at[value].trial).get(HEADLINE)) for value in tried]
-    along = tuple(Point(value, float(row["value"]), float(row["at_most"])) for value, row in worst if row is not None)
+    along = tuple(ErrorAt(value, float(row["value"]), float(row["at_most"])) for value, row in worst if row is not None)
     broken, starts = {} if broke is None else _readings(store, broke.trial), _readings(store, last.trial).get(STARTS)
     if broke is not None and unchanged(along, by.axis.easy, by.axis.extreme):
         verdict = CONSTANT

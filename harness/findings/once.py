@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING, Any, Concatenate, ParamSpec, TypeVar
 if TYPE_CHECKING:
     from plumbline.harness.store.store import Store
 
+
 T = TypeVar("T")
+
 P = ParamSpec("P")
 
 

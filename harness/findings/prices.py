@@ -22,12 +22,9 @@ import numpy as np
 import pandas as pd
 
 from plumbline.harness.findings.agreement.found import errors_of
-from plumbline.harness.findings.cost_point import CostPoint, foreseen
+from plumbline.harness.findings.cost_point import CostPoint, Ended, SampledBlock, efforts, foreseen, samples_by_block
 from plumbline.harness.findings.once import once
-from plumbline.harness.findings.parameter_words import where_of
-from plumbline.harness.findings.samples import SampledBlock, samples_by_block
-from plumbline.harness.findings.search_effort import Ended, efforts
-from plumbline.harness.findings.steps_taken import substeps_of
+from plumbline.harness.findings.parameter_words import substeps_of, where_of
 from plumbline.harness.statistics.bootstrap import drawn_in_groups, interval_of_drawn, medians, widening
 from plumbline.harness.statistics.pareto import on_front, price, prices_of_draws
 from plumbline.harness.store.rows import grouped, records

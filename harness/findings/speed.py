@@ -13,8 +13,8 @@ import numpy as np
 
 from plumbline.harness.findings.cost_point import CostPoint
 from plumbline.harness.findings.once import once
+from plumbline.harness.findings.parameter_words import step_in_words
 from plumbline.harness.findings.prices import PER_SECOND, Draws, List, interval, priced, unit_of
-from plumbline.harness.findings.steps_taken import step_in_words
 from plumbline.harness.store.rows import grouped
 from plumbline.harness.store.store import Store
 

@@ -15,8 +15,7 @@ import pandas as pd
 from plumbline.harness.case.alteration import Alteration
 from plumbline.harness.findings.agreement.found import AGREED_TRUTH
 from plumbline.harness.findings.emulations import whose
-from plumbline.harness.findings.parameter_words import differing, in_words
-from plumbline.harness.findings.steps_taken import step_in_words, substeps_of
+from plumbline.harness.findings.parameter_words import differing, in_words, step_in_words, substeps_of
 from plumbline.harness.findings.tables.agreement import TABLE
 from plumbline.harness.intake.safe_text import markdown_cell, visible
 from plumbline.harness.store.disk import write_atomically

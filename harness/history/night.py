@@ -13,9 +13,9 @@ from plumbline.harness.history.budget import bytes_of, memory_peaks
 from plumbline.harness.history.changes_since import News, news_of
 from plumbline.harness.history.folder import NIGHT, History, Night, stamp_of
 from plumbline.harness.history.identity import acknowledged
-from plumbline.harness.history.listing import counted
-from plumbline.harness.history.night_policy import Asked, Steering
+from plumbline.harness.history.night_policy import NightWish, Steering
 from plumbline.harness.history.regressions import Dated
+from plumbline.harness.history.retention import counted
 from plumbline.harness.history.sentences import told
 from plumbline.harness.history.slow_drift import over_nights
 from plumbline.harness.run.campaign import carry_out
@@ -25,7 +25,7 @@ from plumbline.harness.store.journal import DamagedFile, read_journal
 from plumbline.harness.store.store import write_json
 
 
-def night_to_do(history: History, asked: Asked) -> Night:
+def night_to_do(history: History, asked: NightWish) -> Night:
     """The last night, where it asked the same, did not come to its end and can be read; otherwise a new one."""
     nights = history.nights()
     last = nights[-1] if nights else None
@@ -60,7 +60,7 @@ def _readable(nights: Sequence[Night]) -> tuple[list[Night], list[DamagedFile]]:
         readable = [night for night in readable if night not in damaged]
 
 
-def carry_out_night(history: History, request: Asked, night: Night) -> Steering:
+def carry_out_night(history: History, request: NightWish, night: Night) -> Steering:
     """Answer and clock as much as the budget allows. Who calls this holds the history's lock.
 
     Args: night: as `night_to_do` gave it.

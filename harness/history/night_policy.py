@@ -21,7 +21,8 @@ from plumbline.harness.history.blocks import (
     Block,
     Cell,
     Key,
-    Sight,
+    NightSight,
+    Plan,
     blocks_of,
     last_seen,
     last_unanswered,
@@ -30,7 +31,6 @@ from plumbline.harness.history.blocks import (
 from plumbline.harness.history.budget import Budget
 from plumbline.harness.history.folder import NIGHT, SCHEMA, History, Night
 from plumbline.harness.history.known_searches import KnownSearches
-from plumbline.harness.history.plan import Plan
 from plumbline.harness.run.interrupt import UnderWay
 from plumbline.harness.run.known_results import Guide
 from plumbline.harness.store import disk
@@ -55,7 +55,7 @@ def computed_again(trial: str, seed: str) -> bool:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Asked:
+class NightWish:
     """What a night is asked for. Terms: budget [s], infinite for none. gated: engines that may not be worse; least: share of
     what they were asked that has to be judged. seed: of what is drawn, '' for the night's own name."""
 
@@ -88,7 +88,7 @@ class Steering(Guide):
     sitting = 0.0
 
     def __init__(
-        self, history: History, night: Night, request: Asked, before: Sequence[Night], unread: Sequence[DamagedFile]
+        self, history: History, night: Night, request: NightWish, before: Sequence[Night], unread: Sequence[DamagedFile]
     ) -> None:
         """Begin, or go on where the night was broken off. Raises: StoreError."""
         self.history, self.night, self.request, self.before, self.unread = history, night, request, before, unread
@@ -301,8 +301,8 @@ class Steering(Guide):
         path = self._path(trajectory_hash)
         return path.stat().st_size if path.is_file() else 0
 
-    def _tally(self, key: Key) -> Sight:
-        return self.tallies.setdefault(key, Sight(experiment=key[0], case=key[1]))
+    def _tally(self, key: Key) -> NightSight:
+        return self.tallies.setdefault(key, NightSight(experiment=key[0], case=key[1]))
 
 
 def _cell(trial: Trial) -> Cell:

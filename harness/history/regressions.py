@@ -4,9 +4,10 @@ import math
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, Literal
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from plumbline.harness.findings.changes import Change
 from plumbline.harness.findings.changes.answers import as_good
@@ -16,10 +17,46 @@ from plumbline.harness.history.folder import History, Night
 from plumbline.harness.history.identity import NEAR, Named, acknowledged, change_id, silenced
 from plumbline.harness.history.readings import Content, NightOf, said_by, table_of
 from plumbline.harness.history.series import Series, over_segments, series_of
-from plumbline.harness.history.steps import Step, exact_steps, price_steps
-from plumbline.harness.statistics.change_points import levelled
-from plumbline.harness.statistics.drift import one_drift
+from plumbline.harness.history.steps import PriceStep, exact_steps, price_steps
+from plumbline.harness.statistics.change_points import FEWEST, levelled, without_outliers
 from plumbline.harness.store.journal import DamagedFile
+
+Floats: TypeAlias = NDArray[np.float64]
+
+MARGIN = 6.0
+"""Squared spreads by which two steps have to fit better than a slope: exp(-6/2) is a chance of one in twenty."""
+SHORTEST = 2 * FEWEST + 2
+"""Nights that have a spread."""
+ENDS = 150
+"""Nights on which a slope may begin and end: of more of them, every second, third, ..."""
+
+
+def one_drift(series: Floats, first: int, second: int) -> bool:
+    """Does one slope between two levels fit a series (n,), positive, NaN for a night without a value, as well as two steps?
+
+    Least squares of logarithms whose outliers are clipped. The slope may begin and end on any night; between its ends r(t)
+    grows from 0 to 1, and log p(t) = (1 - r(t)) p_0 + r(t) p_1.
+
+    Args: first, second: indices of the nights on which the two steps lie.
+    """
+    nights = np.flatnonzero(np.isfinite(series) & (series > 0))
+    if len(nights) < SHORTEST or first >= second:
+        return False
+    y, spread = without_outliers(np.log(series[nights]))
+    parts = np.split(y, np.searchsorted(nights, [first, second]))
+    stairs = sum(float(((part - part.mean()) ** 2).sum()) for part in parts if len(part))
+    return _of_slope(y, nights) <= stairs + MARGIN * spread**2
+
+
+def _of_slope(y: Floats, nights: NDArray[np.int64]) -> float:
+    """The least sum of squares around a slope that lasts three nights or more."""
+    tried = np.arange(0, len(y), 1 + len(y) // (ENDS + 1))
+    begins, ends = (tried[each] for each in np.triu_indices(len(tried), k=FEWEST))
+    r = np.clip((nights - nights[begins][:, None]) / (nights[ends] - nights[begins])[:, None], 0.0, 1.0)
+    centred, off = r - r.mean(axis=1, keepdims=True), y - y.mean()
+    explained = (centred @ off) ** 2 / (centred**2).sum(axis=1)
+    return float((off**2).sum() - explained.max())
+
 
 State = Literal["open", "acknowledged", "mended", "another version"]
 """Of a regression: nobody said anything of it yet; somebody did; a later night took it back; its engine or machine is another
@@ -74,7 +111,7 @@ class Trends:
     root: str
     nights: tuple[NightOf, ...]
     series: tuple[Series, ...]
-    steps: tuple[Step, ...]
+    steps: tuple[PriceStep, ...]
     dated: tuple[Dated, ...]
     titles: Mapping[str, str] = field(default_factory=dict)
     unread: tuple[DamagedFile, ...] = ()
@@ -127,13 +164,13 @@ def named_by(plans: Iterable[Any]) -> list[Named]:
 
 
 def date(
-    nights: Sequence[NightOf], steps: Sequence[Step], known: Mapping[str, Named], named: Collection[Named] = ()
+    nights: Sequence[NightOf], steps: Sequence[PriceStep], known: Mapping[str, Named], named: Collection[Named] = ()
 ) -> tuple[Dated, ...]:
     """Steps as dated changes: alike ones of one night are one, the earliest first.
 
     Args: known: what was acknowledged. named: what nights have told, under whose names it goes on.
     """
-    grouped: dict[tuple[int, str], list[Step]] = {}
+    grouped: dict[tuple[int, str], list[PriceStep]] = {}
     for step in steps:
         if step.change.sense in ("worse", "better"):
             grouped.setdefault((step.night, change_id(step.change, nights[step.night].stamp)), []).append(step)
@@ -163,7 +200,7 @@ def date(
     return tuple(sorted(made, key=lambda each: (each.night, -each.first.weight, each.id)))
 
 
-def _same(other: Named, name: str, step: Step, stamps: Sequence[str], steps: Sequence[Step]) -> bool:
+def _same(other: Named, name: str, step: PriceStep, stamps: Sequence[str], steps: Sequence[PriceStep]) -> bool:
     """Is it the change of this name, or one of a price that contains it, of a night nearby or on one slope with it?"""
     if other.id == name:
         return True
@@ -173,7 +210,7 @@ def _same(other: Named, name: str, step: Step, stamps: Sequence[str], steps: Seq
     return abs(index - step.night) <= NEAR or _one_slope(step, min(index, step.night), max(index, step.night), steps)
 
 
-def _one_slope(step: Step, first: int, second: int, steps: Sequence[Step]) -> bool:
+def _one_slope(step: PriceStep, first: int, second: int, steps: Sequence[PriceStep]) -> bool:
     """Is what lies between two nights one slope, by the prices of a step, between the steps the other way beside it?"""
     if not step.members:
         return False
@@ -191,7 +228,7 @@ def _one_slope(step: Step, first: int, second: int, steps: Sequence[Step]) -> bo
     return one_drift(values, first, second)
 
 
-def _end(group: Sequence[Step], steps: Sequence[Step], nights: Sequence[NightOf]) -> tuple[int | None, State]:
+def _end(group: Sequence[PriceStep], steps: Sequence[PriceStep], nights: Sequence[NightOf]) -> tuple[int | None, State]:
     """The night on which all of the group was taken back or became another matter, if any."""
     ends = [_mended(step, steps) for step in group]
     if None not in ends:
@@ -205,7 +242,7 @@ def _end(group: Sequence[Step], steps: Sequence[Step], nights: Sequence[NightOf]
     return None, "open"
 
 
-def _mended(step: Step, steps: Sequence[Step]) -> int | None:
+def _mended(step: PriceStep, steps: Sequence[PriceStep]) -> int | None:
     """The first later night that took it back: by the same kind of change the other way; of a price, by most of its size."""
     change = step.change
     size = math.log(change.ratio) if change.kind == "price" and change.ratio else 0.0

@@ -16,8 +16,7 @@ from typing import Any
 import psutil
 
 from plumbline.harness.history.answer_store import Pool
-from plumbline.harness.history.folder import NIGHT, History
-from plumbline.harness.history.lock import holder
+from plumbline.harness.history.folder import NIGHT, History, holder
 from plumbline.harness.store import disk
 from plumbline.harness.store.journal import StoreError, read_journal
 from plumbline.harness.store.record import digest

@@ -1,18 +1,49 @@
-"""What a night has to say, in sentences: made last, for people and comments, and never read back."""
+"""What a night has to say, in sentences, made last and never read back; and its gate: it fails where a gated engine is worse,
+has no answer at all, or where too little could be judged.
+"""
 
 from collections import Counter
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from itertools import islice
 from typing import Any
 
 from plumbline.harness.findings.changes import Change, Changes
 from plumbline.harness.findings.changes.answers import as_good
-from plumbline.harness.findings.changes.comment import comment
-from plumbline.harness.findings.changes.words import command, headline, judged_in_short, sentence
+from plumbline.harness.findings.changes.files import comment
+from plumbline.harness.findings.changes.matching import LOST
+from plumbline.harness.findings.changes.words import command, gate_in_short, headline, judged_in_short, sentence
 from plumbline.harness.history.changes_since import News
-from plumbline.harness.history.gate import counted, without_answers
 from plumbline.harness.history.identity import Named, change_id, silenced
 from plumbline.harness.intake.safe_text import markdown_cell
+
+
+def without_answers(plan: Mapping[str, Any], engines: Iterable[str]) -> list[str]:
+    """A sentence for each of these engines that was asked and has no answer at all. Args: plan: of the night."""
+    outcomes: Mapping[str, Mapping[str, int]] = plan.get("outcomes", {})
+    mute = [each for each in engines if each in outcomes and not outcomes[each].keys() - {*LOST, "unsupported"}]
+    idle = [each for each in engines if each not in outcomes and (plan.get("left_out") or plan.get("unanswered"))]
+    return [f"no answer of this engine: {counted(each, outcomes[each])}" for each in mute] + [
+        f"no answer of this engine: {each}, time was up before" for each in idle
+    ]
+
+
+def counted(engine: str, outcomes: Mapping[str, int]) -> str:
+    """How trials of an engine ended: 'mujoco 12 passed, 4 crashed'."""
+    return f"{engine} {', '.join(f'{count} {status}' for status, count in outcomes.items())}"
+
+
+def reasons(news: News | None, plan: Mapping[str, Any], gated: Collection[str], least: float) -> list[str]:
+    """Why the gate on these engines fails, in sentences; nothing where it does not.
+
+    Args: news, plan: of the night. least: share of what was asked that has to be judged.
+    """
+    sentences = without_answers(plan, gated)
+    if news is None:
+        return sentences + (["not judged: nothing of it was seen before"] if least > 0 else [])
+    if news.regressions(gated) or news.changes.judged_of(gated).share < least:
+        sentences.append(gate_in_short(news.changes, gated, least))
+    return sentences
+
 
 _KEPT = ("kind", "sense", "case", "engine", "track", "metric", "where", "dt", "before", "after", "regression")
 _FIRST = 8

@@ -42,7 +42,7 @@ _SILENT = ("unavailable", "interrupted")
 
 
 @dataclass(frozen=True, slots=True)
-class Step:
+class PriceStep:
     """Terms: night: index of the first that is otherwise. change: what is told of it. members: the prices that took it."""
 
     night: int
@@ -50,7 +50,7 @@ class Step:
     members: tuple[Series, ...] = ()
 
 
-def exact_steps(nights: Sequence[Night], table: pd.DataFrame) -> Iterator[Step]:
+def exact_steps(nights: Sequence[Night], table: pd.DataFrame) -> Iterator[PriceStep]:
     """What is exact and another than the last time; where one was lost in between, than the last that there was, too: the
     tables of two nights are read where an answer is another. Args: table: of these nights. Raises: StoreError."""
     exact = table[table["kind"].isin(EXACT) & ~table["status"].isin(_SILENT)]
@@ -58,7 +58,7 @@ def exact_steps(nights: Sequence[Night], table: pd.DataFrame) -> Iterator[Step]:
     others = pd.concat(both).drop_duplicates(["key", "night", "before"])
     for (night, before, kind), rows in others.groupby(["night", "before", "kind"]):
         for change in _changes(kind, nights[int(before)], nights[night], rows):
-            yield Step(night, change)
+            yield PriceStep(night, change)
 
 
 def _others(rows: pd.DataFrame) -> pd.DataFrame:
@@ -86,7 +86,7 @@ def _changes(kind: str, before: Night, after: Night, rows: pd.DataFrame) -> Iter
 _form: Any = cache(TypeAdapter)
 
 
-def price_steps(series: Sequence[Series], chance: float = CHANCE_OF_ALL) -> Iterator[Step]:
+def price_steps(series: Sequence[Series], chance: float = CHANCE_OF_ALL) -> Iterator[PriceStep]:
     """Every step of the prices among the series, engine by engine. Args: chance: of a history, see `CHANCE_OF_ALL`."""
     prices = [each for each in series if each.kind == "price"]
     engines: dict[str, dict[tuple[str, str], list[Series]]] = {}
@@ -98,7 +98,7 @@ def price_steps(series: Sequence[Series], chance: float = CHANCE_OF_ALL) -> Iter
         yield from _of_engine(list(cases.values()), chance / max(len(prices) + together, 1))
 
 
-def _of_engine(groups: Sequence[Sequence[Series]], chance: float) -> Iterator[Step]:
+def _of_engine(groups: Sequence[Sequence[Series]], chance: float) -> Iterator[PriceStep]:
     members = [each for group in groups for each in group]
     segments = np.max([each.segments for each in members], axis=0)
     rows = [np.array([over_segments(each.free, each.segments) for each in group]) for group in groups]
@@ -117,7 +117,7 @@ def _of_engine(groups: Sequence[Sequence[Series]], chance: float) -> Iterator[St
 
 def _together(
     whole: Floats, rows: Floats, members: Sequence[Series], segments: NDArray[np.int64], chance: float, case: str = ""
-) -> Generator[Step, None, Floats]:
+) -> Generator[PriceStep, None, Floats]:
     """The steps of what moves together (n,) that most of its rows (s, n) take. Returns: what they multiply nights by (n,)."""
     factor, nights = np.ones(len(segments)), np.arange(len(segments))
     for point in _shared(change_points(whole, segments, chance), rows, segments):
@@ -147,7 +147,7 @@ def _size(row: Floats, before: NDArray[np.bool_], after: NDArray[np.bool_]) -> f
     return float(np.median(logs[1]) - np.median(logs[0])) if min(map(len, logs)) >= FEWEST else math.nan
 
 
-def _step(point: ChangePoint, members: Sequence[Series], case: str) -> Step:
+def _step(point: ChangePoint, members: Sequence[Series], case: str) -> PriceStep:
     """Args: case: '' for an engine as a whole."""
     first, alone = members[0], len(members) == 1
     about: dict[str, Any] = {"metric": first.metric if case else "CPU time", "unit": "1"}
@@ -171,7 +171,7 @@ def _step(point: ChangePoint, members: Sequence[Series], case: str) -> Step:
         count=len(members),
         **about,
     )
-    return Step(point.index, change, tuple(members))
+    return PriceStep(point.index, change, tuple(members))
 
 
 def _median(series: Series, night: int, *, later: bool) -> float | None:

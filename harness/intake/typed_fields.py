@@ -4,16 +4,82 @@ import datetime
 import json
 import math
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, TypeVar
 
 from pydantic import TypeAdapter, ValidationError
 from pydantic_core import ArgsKwargs
 
-from plumbline.harness.intake.magnitude import LARGEST, wrong_size
 from plumbline.harness.intake.near_miss import did_you_mean
 from plumbline.harness.intake.safe_text import quoted, readable
-from plumbline.harness.intake.valid_keys import valid_keys
+
+LARGEST = 1e60
+"""Five factors of it are finite, as in m r^2 w^2; the observable universe is 1e27 m across."""
+
+
+def wrong_size(value: float) -> str:
+    """What is expected of a number that is none, or too large; '' where nothing is."""
+    if value != value or abs(value) == math.inf:  # of a whole number without end there is no float
+        return "expected finite numbers"
+    return f"expected at most {LARGEST:g} in size" if abs(value) > LARGEST else ""
+
+
+Schema = Mapping[str, Any]
+
+
+def valid_keys(schema: Schema, path: Sequence[str | int]) -> tuple[str, ...]:
+    """The keys of the table at a path of keys, indices and tags of unions; none where the schema does not know it."""
+    here = [schema]
+    for key in path:
+        here = [deeper for node in here for deeper in _within(schema, node, key)] or here
+    return tuple(dict.fromkeys(name for node in here for form in _forms(schema, node) for name in form.get("properties", ())))
+
+
+def _named(schema: Schema, node: Schema) -> Schema:
+    reference = node.get("$ref")
+    return node if reference is None else schema["$defs"][reference.rpartition("/")[2]]
+
+
+def _forms(schema: Schema, node: Schema) -> Iterator[Schema]:
+    """What a node may be: itself, or each member of a union."""
+    node = _named(schema, node)
+    members = (*node.get("oneOf", ()), *node.get("anyOf", ()))
+    if not members:
+        yield node
+    for member in members:
+        yield from _forms(schema, member)
+
+
+def _within(schema: Schema, node: Schema, key: str | int) -> Iterator[Schema]:
+    """What lies one key, index or tag deeper."""
+    chosen = list(_tagged(schema, node, key))
+    if chosen:
+        yield from chosen
+        return
+    for form in _forms(schema, node):
+        if isinstance(key, int):
+            listed = form.get("prefixItems", ())
+            if key < len(listed):
+                yield listed[key]
+            elif isinstance(form.get("items"), dict):
+                yield form["items"]
+        elif key in form.get("properties", {}):
+            yield form["properties"][key]
+        elif isinstance(form.get("additionalProperties"), dict):
+            yield form["additionalProperties"]
+        elif form.get("title") == key:
+            yield form
+
+
+def _tagged(schema: Schema, node: Schema, tag: str | int) -> Iterator[Schema]:
+    """The member of a union that a tag chooses, also where the union stands in another."""
+    node = _named(schema, node)
+    mapping = node.get("discriminator", {}).get("mapping", {})
+    if tag in mapping:
+        yield {"$ref": mapping[tag]}
+    for member in node.get("anyOf", ()):
+        yield from _tagged(schema, member, tag)
+
 
 MOST = 20
 """Troubles of one file that are told; the others are counted."""

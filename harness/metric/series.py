@@ -3,13 +3,14 @@
 A non-finite value anywhere in the series stays non-finite in each of the three.
 """
 
+import re
 from collections.abc import Callable
 from typing import Literal
 
 import numpy as np
 
 from plumbline.harness.metric import Metric, NotMeasurable, Run
-from plumbline.harness.statistics.proportion import wilson_interval
+from plumbline.harness.statistics.student import wilson_interval
 from plumbline.harness.trajectory import Floats
 
 Series = Callable[[Run], Floats]
@@ -87,3 +88,12 @@ def proportion(
 
     whole = Metric(name=name, unit="1", source=source, measure=share, verdict=verdict, better=better)
     return whole, end("low", "lower", 0), end("high", "upper", 1)
+
+
+START = "start_"
+"""The streams of another start are named so, with its number: 'start_3/v_WB'."""
+
+
+def other_starts(run: Run, of: str) -> list[Floats]:
+    """A stream of each other start, 'p_WB' (k, n, 3) m say."""
+    return [stream for name, stream in run.actual.streams.items() if re.fullmatch(rf"{START}\d+/{of}", name)]

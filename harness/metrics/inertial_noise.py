@@ -46,8 +46,7 @@ from typing import Literal
 import numpy as np
 
 from plumbline.harness.metric import Metric, NotMeasurable, Run, metric
-from plumbline.harness.metric.inertial_residual import inertial_residual, noisy_channels
-from plumbline.harness.metric.noise_scores import cube_root_score, kolmogorov_distance
+from plumbline.harness.metric.noise_scores import cube_root_score, inertial_residual, kolmogorov_distance, noisy_channels
 from plumbline.harness.scene import AxisNoise
 from plumbline.harness.trajectory import Floats
 

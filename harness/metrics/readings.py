@@ -3,7 +3,7 @@
 Ideal signals are held against the truth's: the largest difference of accelerometer and gyroscope without noise. The truth
 carries streams of the same names; readings are matched by their time stamps, and one that the truth does not have within a
 nanosecond makes the error infinite. Or they are held against an engine's own motion: the trajectory carries beside the readings
-what the recorded states say that a sensor has to tell (`harness.trial.readings_due`), '<sensor>/gyroscope_due' and
+what the recorded states say that a sensor has to tell (`harness.trial.answer`), '<sensor>/gyroscope_due' and
 '<sensor>/range_due', NaN where no state was recorded at a reading's instant.
 
 Digits of a channel without noise: are readings the nearest levels of the askew, scaled and bounded signal? The expected reading
@@ -34,7 +34,7 @@ and Weston, Strapdown Inertial Navigation Technology, 2nd ed., section 11.2 (the
 import numpy as np
 
 from plumbline.harness.metric import Metric, NotMeasurable, Run, metric
-from plumbline.harness.metric.inertial_residual import noisy_channels
+from plumbline.harness.metric.noise_scores import noisy_channels
 from plumbline.harness.scene import AxisNoise, Imu, Lidar
 from plumbline.harness.trajectory import Floats
 from plumbline.harness.trajectory.kinematics import angle_between

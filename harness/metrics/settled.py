@@ -3,8 +3,7 @@
 import numpy as np
 
 from plumbline.harness.metric import NotMeasurable, Run
-from plumbline.harness.metric.series import proportion
-from plumbline.harness.metric.starts import other_starts
+from plumbline.harness.metric.series import other_starts, proportion
 from plumbline.harness.scene import EARTH_GRAVITY
 
 

@@ -36,7 +36,7 @@ from typing import Literal
 import numpy as np
 
 from plumbline.harness.metric import NotMeasurable, Run, metric
-from plumbline.harness.metric.starts import other_starts
+from plumbline.harness.metric.series import other_starts
 from plumbline.harness.scene import Body, Box, Scene, Surface, rotate
 from plumbline.harness.trajectory import Floats
 from plumbline.harness.trajectory.kinematics import rotate as rotate_along

@@ -16,16 +16,14 @@ import tomli_w
 from plumbline.harness.adapter import Adapter
 from plumbline.harness.case import Case
 from plumbline.harness.case.alteration import ALONE
-from plumbline.harness.case.own_titles import called
-from plumbline.harness.run.clock_time import clock_time, together
-from plumbline.harness.run.fork_servers import expect
+from plumbline.harness.case.undropped import called
+from plumbline.harness.run.fork_servers import expect, preloads
 from plumbline.harness.run.interrupt import TimeIsUp, stop_if_asked
 from plumbline.harness.run.isolated import run_isolated
 from plumbline.harness.run.known_results import UNGUIDED, Guide
-from plumbline.harness.run.preloads import preloads
-from plumbline.harness.run.progress import Progress
 from plumbline.harness.run.resume import another_study, clear_drafts, clocked_elsewhere, kept_answers, merged, review
-from plumbline.harness.run.timing_protocol import clock_group
+from plumbline.harness.run.timing_protocol import clock_group, clock_time, together
+from plumbline.harness.run.waiting_time import Progress
 from plumbline.harness.search import dominance, first_break, front, needless_effects, refined_ladder
 from plumbline.harness.store import disk
 from plumbline.harness.store.journal import FolderTaken, Journal, StoreError, refuse_links

@@ -16,17 +16,15 @@ from pathlib import Path
 from plumbline.harness.adapter import Adapter, SettingsError, Unavailable, Unsupported
 from plumbline.harness.case import Case
 from plumbline.harness.intake.bounded import limit_files
-from plumbline.harness.run.memory_watch import be_killed_first
+from plumbline.harness.run.interrupt import be_killed_first
 from plumbline.harness.store.journal import StoreError
-from plumbline.harness.store.notices import StoredNotice
-from plumbline.harness.store.record import Record, Status
+from plumbline.harness.store.record import Record, Status, StoredNotice
 from plumbline.harness.study import plugins
 from plumbline.harness.study.trial import Trial
 from plumbline.harness.trial.accuracy import judged_anew, outcome, run_trial
 from plumbline.harness.trial.bench import Bench, rough_cost_beside
-from plumbline.harness.trial.beside_tuned import SHORT, ratio_to_tuned
+from plumbline.harness.trial.beside_tuned import SHORT, idle_turns, is_surveyed, ratio_to_tuned
 from plumbline.harness.trial.ensemble import endure
-from plumbline.harness.trial.idle_knobs import idle_turns, is_surveyed
 
 _PR_SET_CHILD_SUBREAPER = 36
 """From linux/prctl.h: what loses its parent becomes the child of this process."""

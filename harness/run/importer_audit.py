@@ -26,7 +26,7 @@ _DERIVED = ("gravity torque", "mass matrix", "acceleration")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Reading:
+class LoaderReading:
     """What one loader made of the file.
 
     Terms:
@@ -62,13 +62,13 @@ class Reading:
         return tuple(row for row in self.rows if not row.documented)
 
 
-def audit(file: Path, wishes: Wishes, tolerance: float, seed: int = 0) -> Iterator[Reading]:
+def audit(file: Path, wishes: Wishes, tolerance: float, seed: int = 0) -> Iterator[LoaderReading]:
     """One reading for each way of each engine that reads robot files. Raises: RobotError."""
     stated, root = audited(file, wishes)
     for engine in plugins.names("adapters"):
         adapter = plugins.adapter(engine)
         for way in adapter.loaders:
-            reading = Reading(engine=engine, way=way, stated=stated, root=root)
+            reading = LoaderReading(engine=engine, way=way, stated=stated, root=root)
             try:
                 loaded = loaded_apart(engine, Request(way=way, root=root, packages=wishes.packages), file)
             except Unsupported as error:

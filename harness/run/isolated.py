@@ -16,11 +16,9 @@ from plumbline.harness.intake.deadline import Deadline
 from plumbline.harness.intake.safe_text import readable
 from plumbline.harness.run.child import answers, confine, end_started, roughly_clocked
 from plumbline.harness.run.fork_servers import Forked, Origin, end_servers, loaded, start
-from plumbline.harness.run.interrupt import naming, stop_if_asked
-from plumbline.harness.run.memory_watch import MemoryWatch, kills_for_memory
+from plumbline.harness.run.interrupt import MemoryWatch, kills_for_memory, naming, stop_if_asked
 from plumbline.harness.run.message import BrokenMessage, Inbox, read_record, send
-from plumbline.harness.store.notices import StoredNotice
-from plumbline.harness.store.record import Record
+from plumbline.harness.store.record import Record, StoredNotice
 from plumbline.harness.study import plugins
 from plumbline.harness.study.environments import elsewhere
 from plumbline.harness.study.library_variants import obstacle

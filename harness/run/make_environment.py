@@ -10,8 +10,9 @@ import os
 import re
 import shutil
 import sys
-from collections.abc import Sequence
-from dataclasses import replace
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from plumbline.harness.intake.bounded import bounded
@@ -26,6 +27,7 @@ from plumbline.harness.study.environments import (
     keep,
     lock_of,
     project_folders,
+    root,
 )
 
 _INSTALLS = 900.0
@@ -49,7 +51,7 @@ def ensure(version: EngineVersion, distribution: str) -> Environment:
     folder = folder_of(version.name)
     folder.parent.mkdir(parents=True, exist_ok=True)
     with (folder.parent / f"{folder.name}.lock").open("w") as lock:
-        os.utime(lock.name)  # when it was last asked for, see `harness.run.old_environments`
+        os.utime(lock.name)  # when it was last asked for, see `harness.run.make_environment`
         # Another run may be making it: whoever waited finds it made.
         fcntl.flock(lock, fcntl.LOCK_EX)
         known = environment_of(version.name)
@@ -146,3 +148,53 @@ def _tried(version: EngineVersion, digest: str) -> Environment:
     found = json.loads(ended.answer)
     path = tuple(place for place in found["path"] if place not in ours)
     return Environment(interpreter, path, found["version"], one_line(found["reason"], _LONGEST), digest)
+
+
+@dataclass(frozen=True, slots=True)
+class OldEnvironment:
+    """Terms: folder. unasked [s]: since a run last asked for it. bytes: on the disk."""
+
+    folder: Path
+    unasked: float
+    bytes: int
+
+
+def old_environments(older: float) -> Iterator[OldEnvironment]:
+    """Those that the lock, the numeric libraries and Python of this installation do not lead to, unasked for so long [s].
+
+    Another installation of the same user may have others: what it asked for within that time is not among them.
+    """
+    for folder in sorted(path for path in root().glob("*") if path.is_dir()):
+        unasked = time.time() - _asked(folder)
+        if unasked >= older and folder not in map(folder_of, _names(folder)):
+            size = sum(path.lstat().st_size for path in folder.rglob("*") if path.is_file())
+            yield OldEnvironment(folder, unasked, size)
+
+
+def remove(old: OldEnvironment) -> bool:
+    """Take it away, unless a run is making or trying it: was it taken? Raises: OSError."""
+    with _lock_of(old.folder).open("w") as lock:
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            return False
+        shutil.rmtree(old.folder)
+        _lock_of(old.folder).unlink()
+    return True
+
+
+def _lock_of(folder: Path) -> Path:
+    return folder.with_name(f"{folder.name}.lock")
+
+
+def _asked(folder: Path) -> float:
+    """When a run last asked for it: whoever does opens its lock anew."""
+    lock = _lock_of(folder)
+    return (lock if lock.is_file() else folder).stat().st_mtime
+
+
+def _names(folder: Path) -> Iterator[str]:
+    """What the engine in a folder may be called: one of the hyphens stands for the blank, if it has a version."""
+    words = folder.name.rpartition("-")[0].split("-")
+    yield "-".join(words)
+    yield from ("-".join(words[:k]) + " " + "-".join(words[k:]) for k in range(1, len(words)))

@@ -22,7 +22,7 @@ import tomli_w
 from plumbline.harness.run.resume import another_study, merged
 from plumbline.harness.store import disk
 from plumbline.harness.store.journal import FolderTaken, StoreError, Writer
-from plumbline.harness.store.journal_index import Entry, Index, read_index
+from plumbline.harness.store.journal_index import Index, Whereabouts, read_index
 from plumbline.harness.store.machine_fingerprint import circumstances
 from plumbline.harness.store.seal import Damaged, require_seal, sealed_json, sealed_toml
 from plumbline.harness.store.store import Store, ends_early, read_plain, write_json
@@ -36,7 +36,7 @@ _CARRIED = re.compile(
 
 def conflicts(folders: Sequence[Path]) -> list[str]:
     """In sentences, the trials that two folders answer differently. Raises: StoreError."""
-    known: dict[str, tuple[Path, Entry]] = {}
+    known: dict[str, tuple[Path, Whereabouts]] = {}
     sentences = []
     for index in _read(folders):
         folder = index.path.parent

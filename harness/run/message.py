@@ -28,7 +28,7 @@ LONGEST = 4 * 2**20
 _PART = 2**16
 _ANSWERED = (
     *("status", "reason", "detail", "resolved", "warnings", "measurements"),
-    *("sim_seconds", "steps", "trajectory_hash", "rough_cost", "rough_ratio", "substep", "idle", "broke"),
+    *("sim_seconds", "steps", "trajectory_hash", "rough_cost", "rough_ratio", "substep", "idle", "broke", "memory"),
 )
 """The fields of a record that are the child's to fill. What was asked of it, the parent knows better."""
 

@@ -15,7 +15,7 @@ from typing import Any
 
 from plumbline.harness.case.alteration import ALONE
 from plumbline.harness.store import disk
-from plumbline.harness.store.journal import Chain, Journal, StoreError
+from plumbline.harness.store.journal import Journal, LineChain, StoreError
 from plumbline.harness.store.machine_fingerprint import circumstances, machine_digest
 from plumbline.harness.store.record import Record
 from plumbline.harness.store.seal import Damaged, require_seal
@@ -77,7 +77,7 @@ def _differences(value: Any, other: Any, where: str) -> list[str]:
     return [] if value == other or not (value or other) else [where]
 
 
-def another_study(journal: Chain, study: Mapping[str, Any]) -> str:
+def another_study(journal: LineChain, study: Mapping[str, Any]) -> str:
     """How the study of a folder differs from this one, in words; '' where the folder is of this study too."""
     known = [session["study"] for session in journal.sessions]
     today = json.loads(json.dumps(study))

@@ -20,8 +20,7 @@ from plumbline.harness.intake.deadline import Deadline
 from plumbline.harness.intake.safe_text import readable
 from plumbline.harness.run.child import confine, end_started
 from plumbline.harness.run.fork_servers import Forked, Origin, start
-from plumbline.harness.run.interrupt import hour, naming, stop_if_asked
-from plumbline.harness.run.memory_watch import MemoryWatch
+from plumbline.harness.run.interrupt import MemoryWatch, hour, naming, stop_if_asked
 from plumbline.harness.run.message import BrokenMessage, Inbox, read_sample, read_sampling, send
 from plumbline.harness.store.record import Sample
 from plumbline.harness.study import plugins
@@ -47,7 +46,7 @@ def _canary() -> float:
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
+class ProcessPlace:
     """Where a child stands: its core, whether it is its trial's first, and whether workers start together."""
 
     core: int | None
@@ -55,7 +54,7 @@ class Place:
     together: bool = False
 
 
-def _child(pipe: Connection, trials: Sequence[Trial], place: Place, log: Path) -> None:
+def _child(pipe: Connection, trials: Sequence[Trial], place: ProcessPlace, log: Path) -> None:
     """Send how each trial is sampled, then a sample for each order (trial's number, block, sampling) that comes.
 
     An exception is sent as text in place of either; a trial that raised one is not asked again.
@@ -93,7 +92,7 @@ def _child(pipe: Connection, trials: Sequence[Trial], place: Place, log: Path) -
     end_started()
 
 
-def _sample(pipe: Connection, bench: Bench, block: int, sampling: Sampling, place: Place) -> Sample | None:
+def _sample(pipe: Connection, bench: Bench, block: int, sampling: Sampling, place: ProcessPlace) -> Sample | None:
     """What was clocked; None where the workers were not let go, as one of them is in trouble."""
     if not bench.endless:
         bench.start()
@@ -288,7 +287,7 @@ def _start(trials: Sequence[Trial], folder: Path, server: int, apart: bool) -> I
         log = folder / f".timing-{served[0].trial}.log"
         children = []
         for worker in range(workers):
-            place = Place(cores[worker % len(cores)], worker == 0, workers > 1)
+            place = ProcessPlace(cores[worker % len(cores)], worker == 0, workers > 1)
             process = start(origin, _child, served, place, log)
             watch = MemoryWatch(process.pid, sum(trial.experiment.memory for trial in served), _LOOKS)
             children.append(Clocked(process, watch, Inbox(process.pipe)))

@@ -14,7 +14,7 @@ import pandas as pd
 from plumbline.harness.findings.summary import summaries
 from plumbline.harness.run.resume import merged
 from plumbline.harness.store import disk, zoo_record
-from plumbline.harness.store.arrays import read_arrays
+from plumbline.harness.store.arrays import kept_hash, read_arrays
 from plumbline.harness.store.imported_scenes import FOLDER as SCENES
 from plumbline.harness.store.imported_scenes import MINIMAL, unsound
 from plumbline.harness.store.journal import DamagedFile, StoreError
@@ -24,7 +24,6 @@ from plumbline.harness.store.record import Record, parts_of_runs
 from plumbline.harness.store.seal import Damaged, check_seal, require_seal
 from plumbline.harness.store.store import Store, ends_early, read_plain
 from plumbline.harness.store.stored_tables import COLUMNS, in_parquet
-from plumbline.harness.store.trajectory_file import kept_hash
 from plumbline.harness.store.zoo_record import FOLDER as ZOO
 
 _ANEW = "--resume makes it anew"
@@ -38,7 +37,7 @@ _OF_A_NIGHT = ("night.json", "night.log", "changes")
 
 
 @dataclass(frozen=True, slots=True)
-class Problem:
+class Unsound:
     """A file that is not as it should be. Terms: cure: what to do."""
 
     path: Path
@@ -51,7 +50,7 @@ class Problem:
 
 def problems(
     folder: Path, sound: Container[tuple[int, int]] = (), written: Mapping[str, str] = MappingProxyType({})
-) -> Iterator[Problem]:
+) -> Iterator[Unsound]:
     """All that is wrong with a run folder, file by file; it is only read.
 
     Args: sound: device and number of trajectories that are known to be what their names say, whatever folder they lie in.
@@ -61,15 +60,15 @@ def problems(
     store = Store(folder)
     journal = store.folder / "journal.jsonl"
     if not journal.is_file():
-        yield Problem(journal, "missing", "restore it; the tables beside it can still be read, and not be checked")
+        yield Unsound(journal, "missing", "restore it; the tables beside it can still be read, and not be checked")
         return
     try:
         index = read_index(journal)
     except DamagedFile as error:
-        yield Problem(journal, error.what, error.cure)
+        yield Unsound(journal, error.what, error.cure)
         return
     if index.torn:
-        yield Problem(journal, f"its last line is torn: {index.torn} bytes", "--resume drops them and runs that trial anew")
+        yield Unsound(journal, f"its last line is torn: {index.torn} bytes", "--resume drops them and runs that trial anew")
     yield from _plain_files(store.folder, index)
     yield from _rows(store, index)
     yield from _trajectories(store.folder, index, sound)
@@ -89,7 +88,7 @@ def notices(folder: Path) -> Iterator[str]:
         yield f"{folder}: {older} timings of an older version, which do not say whether they are of whole runs"
 
 
-def _clocked(cases: Mapping[str, Any], path: Path, record: Record) -> Iterator[Problem]:
+def _clocked(cases: Mapping[str, Any], path: Path, record: Record) -> Iterator[Unsound]:
     """A timing over anything but whole runs, by what the catalogue says that a run is."""
     case, due = cases.get(record.case, {}), None
     if record.clocks in ("work", "reading") and record.unit != "ray" and "steady" in case:
@@ -98,52 +97,52 @@ def _clocked(cases: Mapping[str, Any], path: Path, record: Record) -> Iterator[P
     if wrong := parts_of_runs(record.clocked, record.samples) or others:
         whole = wrong[0].run if due is None else due
         what = f"trial {record.trial} was clocked over {wrong[0].steps} steps, expected whole runs of {whole}"
-        yield Problem(path, what, "its price is of a part of the motion; clock it anew in a new folder")
+        yield Unsound(path, what, "its price is of a part of the motion; clock it anew in a new folder")
 
 
-def _plain_files(folder: Path, index: Index) -> Iterator[Problem]:
+def _plain_files(folder: Path, index: Index) -> Iterator[Unsound]:
     documents: dict[str, Mapping[str, Any]] = {}
     for name in _KEPT:
         path = folder / name
         if not path.is_file():
-            yield Problem(path, "missing", _ANEW)
+            yield Unsound(path, "missing", _ANEW)
             continue
         try:
             if not check_seal(path, disk.read(path)) and index.sessions:
                 raise Damaged("it has no checksum")
             documents[name] = read_plain(path)
         except Damaged as error:
-            yield Problem(path, str(error), _ANEW)
+            yield Unsound(path, str(error), _ANEW)
         except DamagedFile as error:
-            yield Problem(path, error.what, _ANEW)
+            yield Unsound(path, error.what, _ANEW)
     if early := ends_early(index, documents.get("machine.json", {})):
-        yield Problem(index.path, early, "restore it, or --resume runs their trials anew")
+        yield Unsound(index.path, early, "restore it, or --resume runs their trials anew")
     if not index.sessions:
         return
     last = index.sessions[-1]
     if "study.toml" in documents and documents["study.toml"] != merged([session["study"] for session in index.sessions]):
-        yield Problem(folder / "study.toml", "is not the study of this run", _ANEW)
+        yield Unsound(folder / "study.toml", "is not the study of this run", _ANEW)
     if "catalogue.json" in documents and hashlib.sha256(disk.read(folder / "catalogue.json")).hexdigest() != last["catalogue"]:
-        yield Problem(folder / "catalogue.json", "is not the catalogue of this run", _ANEW)
+        yield Unsound(folder / "catalogue.json", "is not the catalogue of this run", _ANEW)
     machine = documents.get("machine.json")
     if machine is not None:
         if circumstances(machine) != last["machine"]:
-            yield Problem(folder / "machine.json", "is not the machine of this run", _ANEW)
+            yield Unsound(folder / "machine.json", "is not the machine of this run", _ANEW)
         if not machine.get("complete"):
-            yield Problem(folder / "machine.json", "the run did not come to its end", "--resume goes on with it")
+            yield Unsound(folder / "machine.json", "the run did not come to its end", "--resume goes on with it")
     missing = sum(trial not in index.entries for trial in last["trials"])
     if missing:
         what = f"{missing} of {len(last['trials'])} trials have no record"
-        yield Problem(index.path, what, "--resume runs them")
+        yield Unsound(index.path, what, "--resume runs them")
 
 
-def _rows(store: Store, index: Index) -> Iterator[Problem]:
+def _rows(store: Store, index: Index) -> Iterator[Unsound]:
     """The tables beside the journal's records, and what each of these was clocked over."""
     try:
         cases: Mapping[str, Any] = store.catalogue.get("cases", {})
     except StoreError:  # named already
         cases = {}
-    clocked: list[Problem] = []
+    clocked: list[Unsound] = []
 
     def looked_at(record: Record) -> Record:
         clocked.extend(_clocked(cases, index.path, record))
@@ -156,13 +155,13 @@ def _rows(store: Store, index: Index) -> Iterator[Problem]:
     for name, due in in_parquet(map(looked_at, index.records())).items():
         path = store.folder / f"{name}.parquet"
         if not path.is_file():
-            yield Problem(path, "missing", _ANEW)
+            yield Unsound(path, "missing", _ANEW)
             continue
         content = disk.read(path)
         # Another version of Parquet's library writes other bytes: then the file has to be the one that was written.
         as_written = known.get(name, "") in ("", hashlib.sha256(content).hexdigest())
         if content != due and not (as_written and _equal(content, due)):
-            yield Problem(path, "differs from the journal", _ANEW)
+            yield Unsound(path, "differs from the journal", _ANEW)
     yield from clocked
 
 
@@ -176,17 +175,17 @@ def _equal(content: bytes, due: bytes) -> bool:
     return set(stored.columns) <= set(today.columns) and bool(stored[names].equals(today[names].astype(stored[names].dtypes)))
 
 
-def _trajectories(folder: Path, index: Index, sound: Container[tuple[int, int]]) -> Iterator[Problem]:
+def _trajectories(folder: Path, index: Index, sound: Container[tuple[int, int]]) -> Iterator[Unsound]:
     directory = folder / "trajectories"
     named = {record.trajectory_hash for record in index.entries.values()} - {None}
     idle = {record.trajectory_hash for record in index.lost.values()}
     kept = {record.trajectory_hash for record in index.entries.values() if record.trajectory_kept} - {None}
     for name in sorted(str(entry) for entry in kept):
         if not (directory / f"{name}.npz").is_file():
-            yield Problem(directory / f"{name}.npz", "missing", _ANEW)
+            yield Unsound(directory / f"{name}.npz", "missing", _ANEW)
     for path in sorted(directory.glob("*")):
         if path.suffix != ".npz" or path.stem not in named | idle or not path.is_file():
-            yield Problem(path, "belongs to no trial", _DELETE)
+            yield Unsound(path, "belongs to no trial", _DELETE)
             continue
         if (path.stat().st_dev, path.stat().st_ino) in sound:
             continue
@@ -195,32 +194,32 @@ def _trajectories(folder: Path, index: Index, sound: Container[tuple[int, int]])
             if kept_hash(read_arrays(path)) != path.stem:
                 raise Damaged("its answer is not the one that its name says")
         except (Damaged, KeyError) as error:
-            yield Problem(path, str(error), _ANEW)
+            yield Unsound(path, str(error), _ANEW)
 
 
-def _truths(folder: Path) -> Iterator[Problem]:
+def _truths(folder: Path) -> Iterator[Unsound]:
     for path in sorted((folder / "truths").glob("*")):
         if not _TRUTH.fullmatch(path.name):
-            yield Problem(path, "is no truth", _DELETE)
+            yield Unsound(path, "is no truth", _DELETE)
             continue
         try:
             require_seal(path, disk.read(path))
         except (Damaged, OSError) as error:
-            yield Problem(
+            yield Unsound(
                 path,
                 getattr(error, "strerror", None) or str(error),
                 "--resume removes it, and it is made again when it is wanted",
             )
 
 
-def _imports(folder: Path) -> Iterator[Problem]:
+def _imports(folder: Path) -> Iterator[Unsound]:
     for path, what in unsound(folder):
-        yield Problem(path, what, "run the robot's file again into this folder with --resume")
+        yield Unsound(path, what, "run the robot's file again into this folder with --resume")
     for path, what in zoo_record.unsound(folder):
-        yield Problem(path, what, "delete it; run zoo with --resume takes that robot in anew")
+        yield Unsound(path, what, "delete it; run zoo with --resume takes that robot in anew")
 
 
-def _summaries(store: Store, index: Index, written: Mapping[str, str]) -> Iterator[Problem]:
+def _summaries(store: Store, index: Index, written: Mapping[str, str]) -> Iterator[Unsound]:
     as_written = (path.is_file() and disk.digest(path) == due for name, due in written.items() if (path := store.folder / name))
     if not index.sessions or (written and all(as_written)):
         return
@@ -231,16 +230,16 @@ def _summaries(store: Store, index: Index, written: Mapping[str, str]) -> Iterat
     for name, content in due.items():
         path = store.folder / name
         if not path.is_file():
-            yield Problem(path, "missing", _ANEW)
+            yield Unsound(path, "missing", _ANEW)
         elif disk.read(path) != content:
-            yield Problem(path, "differs from the journal", _ANEW)
+            yield Unsound(path, "differs from the journal", _ANEW)
 
 
-def _strangers(folder: Path, index: Index) -> Iterator[Problem]:
+def _strangers(folder: Path, index: Index) -> Iterator[Unsound]:
     known = {"journal.jsonl", *_KEPT, "junit.xml", "summary.md", *(f"{name}.parquet" for name in COLUMNS)}
     known |= {*_SHOWN, *_OF_A_NIGHT, SCENES, ZOO, "trajectories", "truths", "logs"}
     trials = {*index.entries, *index.lost, *(trial for session in index.sessions for trial in session["trials"])}
     logs = (path for path in (folder / "logs").glob("*") if path.suffix != ".log" or path.stem not in trials)
     drafts = (folder / "recordings").glob(".*")
     for path in sorted({*(path for path in folder.iterdir() if path.name not in known), *logs, *drafts}):
-        yield Problem(path, "is not of this run", _DELETE)
+        yield Unsound(path, "is not of this run", _DELETE)

@@ -1,4 +1,5 @@
-"""A run that ends when a person has waited long enough: its ladder first, with a first look, then what refines it.
+"""A run that ends when a person has waited long enough: its ladder first, with a first look, then what refines it; and the
+progress of long work, always on standard error.
 
 `budget` is time on the clock on the wall, all of the run. What tables and pages take is kept for them. Of the rest, the ladder
 of time steps goes on until two fifths are gone, then what tells causes and what can be foreseen begins, if half is left. Then
@@ -7,16 +8,23 @@ hangs is still told by its own CPU time.
 """
 
 import math
+import sys
 import time
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from types import TracebackType
+from typing import TYPE_CHECKING, Self
 
 from plumbline.harness.case import Case
 from plumbline.harness.case.alteration import AS_IT_IS
-from plumbline.harness.run.clock_time import clock_time
+from plumbline.harness.intake.safe_text import LONGEST, one_line
 from plumbline.harness.run.interrupt import UnderWay
 from plumbline.harness.run.known_results import Guide
+from plumbline.harness.run.timing_protocol import clock_time
 from plumbline.harness.store.record import Record
 from plumbline.harness.study.trial import Trial
+
+if TYPE_CHECKING:
+    from rich.progress import Progress as Bar
 
 REFINING, SEARCHING, CLOCKING = 0.4, 0.5, 0.8
 """Shares of the time of measuring until which ladders are refined, what follows them begins, and they are clocked."""
@@ -88,3 +96,70 @@ class Waiting(Guide):
     def asked(self, trials: Collection[str], records: Mapping[str, Record]) -> Collection[str]:
         """What was answered: nobody waited for the rest."""
         return [trial for trial in trials if trial in records] if self.over else trials
+
+
+QUIET = 5.0
+"""Seconds between two plain lines."""
+_BEGUN = time.monotonic()
+"""When this process began to report: what a person has waited since."""
+
+
+def elapsed(seconds: float) -> str:
+    """'47 s', '3 min 20 s', '1 h 5 min'."""
+    whole = round(seconds)
+    if whole < 60:
+        return f"{whole} s"
+    return f"{whole // 60} min {whole % 60} s" if whole < 3600 else f"{whole // 3600} h {whole // 60 % 60} min"
+
+
+def since_begun() -> float:
+    """Seconds that a person has waited for this process."""
+    return time.monotonic() - _BEGUN
+
+
+class Progress:
+    """Counts finished pieces of work, with the time since the process began to report; use as a context."""
+
+    def __init__(self, title: str, total: int) -> None:
+        self.title, self.total, self.done = title, total, 0
+        self._bar: Bar | None = None
+        self._said = time.monotonic()
+
+    def __enter__(self) -> Self:
+        if sys.stderr.isatty() and self.total:
+            from rich.console import Console
+            from rich.progress import BarColumn, TextColumn
+            from rich.progress import Progress as Bar
+
+            self._bar = Bar(
+                TextColumn("{task.description}", markup=False),
+                BarColumn(),
+                TextColumn("{task.completed:.0f} of {task.total:.0f}, {task.fields[elapsed]}", markup=False),
+                TextColumn("{task.fields[last]}", style="dim", markup=False),
+                console=Console(stderr=True),
+                transient=True,
+            )
+            self._bar.start()
+            self._task = self._bar.add_task(self.title, total=self.total, last="", elapsed="0 s")
+        return self
+
+    def tell(self, now: str) -> None:
+        """What is being done, while nothing ends: on a terminal alone."""
+        if self._bar is not None:
+            self._bar.update(self._task, last=one_line(now, LONGEST))
+
+    def advance(self, last: str) -> None:
+        """One more piece is done; `last` names it."""
+        self.done += 1
+        last = one_line(last, LONGEST)
+        now = time.monotonic()
+        since = elapsed(since_begun())
+        if self._bar is not None:
+            self._bar.update(self._task, advance=1, last=last, elapsed=since)
+        elif now - self._said >= QUIET or self.done >= self.total:
+            self._said = now
+            print(f"{self.title}: {self.done} of {self.total}, {since} ({last})", file=sys.stderr, flush=True)
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        if self._bar is not None:
+            self._bar.stop()

@@ -18,7 +18,7 @@ from plumbline.harness.run.child import confine
 from plumbline.harness.run.fork_servers import WORTH_A_SERVER, Forked, loaded, start
 from plumbline.harness.run.interrupt import stop_if_asked
 from plumbline.harness.run.message import BrokenMessage, Inbox, send
-from plumbline.harness.run.progress import Progress
+from plumbline.harness.run.waiting_time import Progress
 
 _LISTENS = 1.0
 """Seconds between looks at whether this is to stop."""

@@ -1,7 +1,15 @@
-"""Taking in the robots of a zoo side by side: those that a folder knows already are not read again."""
+"""Taking in the robots of a zoo side by side: those that a folder knows already are not read again.
+
+The packages of a zoo, in a folder beside the environments of engines: their files alone, without what their code needs.
+
+Some would bring a whole training stack along for the sake of a few robot files. What `pip install 'plumbline[zoo]'` has put
+beside plumbline is found first.
+"""
 
 import hashlib
-from collections.abc import Iterator, Sequence
+import shutil
+import sys
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import replace
@@ -9,15 +17,23 @@ from pathlib import Path
 
 import psutil
 
-from plumbline.harness.run.progress import Progress
-from plumbline.harness.store import zoo_record
-from plumbline.harness.store.zoo_record import Entry
-from plumbline.harness.study import plugins, sources
-from plumbline.harness.study.zoo.robots import Robot, at_hand
+from plumbline.harness.intake.bounded import bounded
+from plumbline.harness.intake.user_cache import is_ours, make_ours
+from plumbline.harness.run.interrupt import UnderWay
+from plumbline.harness.run.known_results import Guide
+from plumbline.harness.run.make_environment import NotMade, last_error
+from plumbline.harness.run.waiting_time import Progress
+from plumbline.harness.store import disk, zoo_record
+from plumbline.harness.store.record import Record
+from plumbline.harness.store.zoo_record import ZooEntry
+from plumbline.harness.study import plugins, sources, zoo
+from plumbline.harness.study.environments import root
+from plumbline.harness.study.trial import Trial
+from plumbline.harness.study.zoo.robots import ZooRobot, at_hand
 from plumbline.harness.study.zoo.taking_in import take_in, unread
 
 
-def taken_in(folder: Path, robots: Sequence[Robot], engines: Sequence[str], workers: int) -> list[Entry]:
+def taken_in(folder: Path, robots: Sequence[ZooRobot], engines: Sequence[str], workers: int) -> list[ZooEntry]:
     """An entry for each robot, in their order, kept in the folder as they come.
 
     Whose publisher could not be reached once is not asked again for the rest of a package. Raises: OSError.
@@ -27,7 +43,7 @@ def taken_in(folder: Path, robots: Sequence[Robot], engines: Sequence[str], work
     new = [robot for robot in robots if not _holds(folder, entries.get(robot.name), keys[robot.name])]
     unreached: dict[str, str] = {}
 
-    def take(robot: Robot) -> Entry:
+    def take(robot: ZooRobot) -> ZooEntry:
         if robot.package in unreached and not at_hand(robot):
             return replace(unread(robot, keys[robot.name]), reason=unreached[robot.package])
         entry = take_in(folder, robot, engines, keys[robot.name])
@@ -50,14 +66,14 @@ def taken_in(folder: Path, robots: Sequence[Robot], engines: Sequence[str], work
     return [entries[robot.name] for robot in robots]
 
 
-def _holds(folder: Path, entry: Entry | None, key: str) -> bool:
+def _holds(folder: Path, entry: ZooEntry | None, key: str) -> bool:
     """Does an entry still hold? What was not on this machine may be by now."""
     if entry is None or entry.key != key or entry.stage == "not here":
         return False
     return not entry.scene or (folder / entry.scene).is_file()
 
 
-def _keys(robots: Sequence[Robot], engines: Sequence[str]) -> Iterator[str]:
+def _keys(robots: Sequence[ZooRobot], engines: Sequence[str]) -> Iterator[str]:
     """Of each robot a digest of all that its entry rests on: what it is, the importers, the engines with their adapters."""
     modules = ["plumbline.harness.study.zoo.taking_in", "plumbline.harness.scene.importers.reading"]
     modules += [module for engine in engines if (module := plugins.module_of("adapters", engine))]
@@ -65,3 +81,70 @@ def _keys(robots: Sequence[Robot], engines: Sequence[str]) -> Iterator[str]:
     rests += [f"{engine} {plugins.version_of(plugins.adapter(engine))}" for engine in engines]
     for robot in robots:
         yield hashlib.sha256("\n".join([*rests, repr(robot)]).encode()).hexdigest()[:16]
+
+
+LOCK = Path(zoo.__file__).with_name("requirements.lock")
+PRICE = "340 MB, a minute"
+_WHOLE = "installed.lock"
+"""What stands in the folder once all of them are there."""
+_INSTALLS = 900.0
+"""Seconds that installing may take."""
+
+
+def folder() -> Path:
+    """Where they lie, whether they are there or not."""
+    return root() / f"zoo-{hashlib.sha256(LOCK.read_bytes()).hexdigest()[:16]}"
+
+
+def look() -> None:
+    """Have this process, and those that it starts, find what was installed there; a folder of somebody else's is left alone."""
+    if is_ours(folder() / _WHOLE) and str(folder()) not in sys.path:
+        sys.path.append(str(folder()))
+
+
+def install() -> None:
+    """Install them there by their hashes, unless they are there. Raises: NotMade, OSError."""
+    if not is_ours(folder() / _WHOLE):
+        shutil.rmtree(folder(), ignore_errors=True)
+        folder().parent.mkdir(parents=True, exist_ok=True)
+        uv = shutil.which("uv")
+        pip = [uv, "pip", "install", "--quiet"] if uv else [sys.executable, "-m", "pip", "install", "--quiet", "--no-input"]
+        ended = bounded([*pip, "--no-deps", "--require-hashes", "--target", str(folder()), "-r", str(LOCK)], _INSTALLS)
+        if ended.code != 0:
+            raise NotMade(last_error(ended.err.decode("utf-8", "replace")) or f"pip {ended.how}")
+        disk.write_atomically(folder() / _WHOLE, LOCK.read_bytes())
+        for path in (folder(), folder() / _WHOLE):
+            make_ours(path)
+    look()
+
+
+class RobotByRobot(Guide):
+    """The zoo goes robot by robot, as many at a time as there are workers: broken off, it has whole robots.
+
+    Terms: end [s]: on the monotonic clock. cases: in their order.
+    """
+
+    sitting = 5.0
+
+    def __init__(self, cases: Collection[str], at_once: int, end: float) -> None:
+        self._cases, self._at_once, self._end, self.over = [*cases], at_once, end, False
+
+    def end(self) -> float:
+        """When its time is up."""
+        return self._end
+
+    def batches(self, trials: Sequence[Trial]) -> Iterator[list[Trial]]:
+        """Some robots after the others."""
+        for first in range(0, len(self._cases), self._at_once):
+            mine = set(self._cases[first : first + self._at_once])
+            if batch := [trial for trial in trials if trial.case in mine]:
+                yield batch
+
+    def broken_off(self, under_way: Sequence[UnderWay]) -> None:
+        """The time was up."""
+        del under_way
+        self.over = True
+
+    def asked(self, trials: Collection[str], records: Mapping[str, Record]) -> Collection[str]:
+        """What was answered, where the time was up: --resume goes on with the rest."""
+        return [trial for trial in trials if trial in records] if self.over else trials

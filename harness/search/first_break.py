@@ -6,26 +6,109 @@ hardest value that held with all members of the ensemble before the first that d
 crashed at is one that broke; where it ran out of time or memory, the search ends without a verdict beyond what had held.
 
 Where the headline error has not doubled from the easy end to the first value that broke, the extreme is tried beside: a bar
-that a constant crosses is no limit (`along_axis`).
+that a constant crosses is no limit.
 
-Where a case breaks, what is said to help is tried at the value that broke (`harness.search.remedies`), and, where it does help,
-on from there towards the extreme, in fewer values.
+Where a case breaks, what is said to help is tried at the value that broke, and, where it does help, on from there towards the
+extreme, in fewer values.
+
+An axis makes a case harder. An error that has not doubled from the easy end to the extreme is what an engine does at every
+value; where between them it crosses a bar says nothing of the axis.
+
+What is said to help where a simulation breaks, each tried as it stands in textbooks and manuals.
+
+Sources: Ericson, Real-Time Collision Detection (2005), section 2.4.3 (tunnelling); Catto, Solver2D (2024) (sub-steps rather
+than iterations); Bender, Erleben, Trinkle, Interactive Simulation of Rigid Body Dynamics in Computer Graphics, Computer
+Graphics Forum 33 (2014) 246 (iterations, damping, time steps); Hairer, Lubich, Wanner, Geometric Numerical Integration (2006),
+chapter I (symplectic integrators); the PyBullet Quickstart Guide and MuJoCo's documentation, chapter Modeling (sizes, masses);
+the documentation of an engine for what its adapter names (`Adapter.remedies`).
 """
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 from plumbline.harness.adapter import Adapter
 from plumbline.harness.case import Axis, Case
-from plumbline.harness.search.along_axis import Point, extreme_untried
-from plumbline.harness.search.remedies import remedied
+from plumbline.harness.case.alteration import Alteration
+from plumbline.harness.scene import Effect
 from plumbline.harness.store.record import Record
-from plumbline.harness.study.axes import axis_of
-from plumbline.harness.study.experiment import Limit
+from plumbline.harness.study.experiment import Limit, axis_of
+from plumbline.harness.study.one_knob import position, turned
 from plumbline.harness.study.trial import Trial
 from plumbline.harness.trial.ensemble import HEADLINE
+
+DAMPING = 1.0
+"""Added to every body [1/s]: a motion halves in 0.7 s."""
+SPLIT = 4
+"""By what a time step is divided, and by what sub-steps are multiplied."""
+
+
+def remedied(sick: Trial, case: Case, adapter: Adapter, number: int, idle: Collection[tuple[str, Any]] = ()) -> Iterator[Trial]:
+    """The trial that broke once more with each remedy that the engine and the case know, in round `number`.
+
+    Args: idle: knobs and values that would change nothing there.
+    """
+
+    def tried(remedy: str, **changes: Any) -> Trial:
+        return sick.probing(case, remedy=remedy, remedied=sick.trial, round=number, **changes)
+
+    def settled(remedy: str, **settings: Any) -> Trial:
+        return tried(remedy, settings=replace(sick.settings, **settings, source=f"remedy: {remedy}"))
+
+    knobs, now = adapter.knobs, sick.settings
+    along_step = axis_of(sick.experiment, case).parameter == "dt"
+    if "substeps" in knobs:
+        yield settled(f"sub-steps x {SPLIT}", substeps=SPLIT * (now.substeps or 1))
+        if not along_step:
+            yield settled(f"time step / {SPLIT}", dt=now.dt / SPLIT)
+    elif not along_step:
+        # Without sub-steps of its own an engine takes shorter steps: the same to it as to divide the time step.
+        yield settled(f"sub-steps x {SPLIT}", dt=now.dt / SPLIT)
+    most = max((value for value in knobs.get("iterations", ()) if value is not None), default=0)
+    if most > (now.iterations or 0) and ("iterations", most) not in idle:
+        yield settled("more iterations", iterations=most)
+    for knob in ("solver", "integrator"):
+        for value in knobs.get(knob, ()):
+            if value is not None and value != getattr(now, knob) and (knob, value) not in idle:
+                yield settled(f"{knob} {value}", **{knob: value})
+    scene = sick.scene(case)
+    for remedy, (knob, value) in adapter.remedies.items():
+        if knob in adapter.knobs_in(scene) and position(now, knob) != value:
+            yield tried(remedy, settings=replace(turned(now, knob, value), source=f"remedy: {remedy}"))
+    if Effect.CONTACT in scene.effects and Effect.CONTINUOUS_COLLISION not in scene.effects:
+        yield tried(
+            "continuous collision", alteration=Alteration(name="continuous collision", widen=Effect.CONTINUOUS_COLLISION)
+        )
+    yield tried("damping", alteration=Alteration(name="damping", linear_damping=DAMPING, angular_damping=DAMPING))
+    for name, parameters in case.eased.items():
+        yield tried(name, parameters={**sick.parameters, **parameters})
+
+
+DOUBLED = 2.0
+"""By what an error has to grow from the easy end to the extreme to be a matter of the axis. One of first order grows by extreme
+over easy, which is six at least in the catalogue."""
+
+
+@dataclass(frozen=True, slots=True)
+class ErrorAt:
+    """The largest headline error of the starts at one value of an axis, and the bar beyond which it is lost, in its unit."""
+
+    value: float
+    error: float
+    bar: float
+
+
+def unchanged(points: Sequence[ErrorAt], easy: float, extreme: float) -> bool:
+    """Is the error at the extreme less than twice that at the easy end? False where one of them is unknown."""
+    at = {point.value: point.error for point in points}
+    return easy in at and extreme in at and at[extreme] < DOUBLED * at[easy]
+
+
+def extreme_untried(points: Sequence[ErrorAt], easy: float, broke: float, extreme: float) -> bool:
+    """Has the error where an engine first broke not doubled since the easy end, with the extreme still untried?"""
+    return extreme not in {point.value for point in points} and unchanged(points, easy, broke)
+
 
 REMEDY_VALUES = 3
 """Values that a remedy which helps is tried at beyond the first, so that its bracket is a quarter of what was left."""
@@ -181,11 +264,11 @@ def _next_of(
     return list(remedied(sick, case, adapter, number, records[sick.trial].idle))
 
 
-def _points(trial: Trial, records: Mapping[str, Record], axis: Axis) -> Iterator[Point]:
+def _points(trial: Trial, records: Mapping[str, Record], axis: Axis) -> Iterator[ErrorAt]:
     """The headline error of a trial that has one."""
     for measurement in records[trial.trial].measurements if trial.trial in records else ():
         if measurement.metric == HEADLINE and measurement.at_most is not None:
-            yield Point(value_of(trial, axis), measurement.value, measurement.at_most)
+            yield ErrorAt(value_of(trial, axis), measurement.value, measurement.at_most)
 
 
 def _at(trial: Trial, value: float, axis: Axis, case: Case, number: int) -> Trial:

@@ -26,10 +26,9 @@ import numpy as np
 
 from plumbline.harness.adapter import Adapter, Settings
 from plumbline.harness.case import Case
-from plumbline.harness.search.settings_key import key_of
 from plumbline.harness.statistics.pareto import near_front
 from plumbline.harness.store.record import Record
-from plumbline.harness.study.one_knob import OPTION, label_of, position, turned
+from plumbline.harness.study.one_knob import OPTION, key_of, label_of, position, turned
 from plumbline.harness.study.trial import Trial
 
 SMALLEST = 1e-8
@@ -57,7 +56,7 @@ CLOCKED = 12
 
 
 @dataclass(frozen=True, slots=True)
-class Point:
+class FrontPoint:
     """A trial with its error as a share of the scale and its rough cost, in CPU seconds per simulated second or unit.
 
     Costs of a group are multiples of the same yardstick, wherever one could be clocked: of its middle cost.
@@ -83,9 +82,9 @@ def groups(trials: Sequence[Trial]) -> Iterator[list[Trial]]:
         yield list(group)
 
 
-def points(group: Group, records: Mapping[str, Record], case: Case) -> list[Point]:
+def points(group: Group, records: Mapping[str, Record], case: Case) -> list[FrontPoint]:
     """What of a group has a finite error and a cost."""
-    measured: list[Point] = []
+    measured: list[FrontPoint] = []
     yardsticks = [r.rough_cost / r.rough_ratio for t in group if (r := records.get(t.trial)) and r.rough_cost and r.rough_ratio]
     yardstick = median(yardsticks) if yardsticks else 1.0
     if any(metric.better == "higher" for metric in case.metrics if metric.name == case.headline):
@@ -97,11 +96,11 @@ def points(group: Group, records: Mapping[str, Record], case: Case) -> list[Poin
         error = next((abs(m.value) for m in record.measurements if m.metric == case.headline), float("nan")) / case.scale
         if error < float("inf"):
             cost = record.rough_cost if record.rough_ratio is None else record.rough_ratio * yardstick
-            measured.append(Point(trial, record, max(error, SMALLEST), cost))
+            measured.append(FrontPoint(trial, record, max(error, SMALLEST), cost))
     return _smoothed(measured) if case.unit(group[0].parameters) == "step" else measured
 
 
-def _smoothed(here: Sequence[Point]) -> list[Point]:
+def _smoothed(here: Sequence[FrontPoint]) -> list[FrontPoint]:
     """The points, coarser steps first, with costs that fall as the step of the same settings grows.
 
     A rough cost is a few milliseconds' work. That a coarser step costs no more for a second
@@ -111,10 +110,10 @@ def _smoothed(here: Sequence[Point]) -> list[Point]:
     """
     from scipy.optimize import isotonic_regression  # late: a listing must not pay for it
 
-    families: dict[Hashable, list[Point]] = {}
+    families: dict[Hashable, list[FrontPoint]] = {}
     for point in sorted(here, key=lambda point: -point.trial.settings.dt):
         families.setdefault(_family(point), []).append(point)
-    level: list[Point] = []
+    level: list[FrontPoint] = []
     for family in families.values():
         costs = np.exp(isotonic_regression(np.log([point.cost for point in family])).x)
         level += [replace(point, cost=float(cost)) for point, cost in zip(family, costs, strict=True)]
@@ -161,14 +160,14 @@ def _next_of_group(group: Group, records: Mapping[str, Record], case: Case, adap
     return probes
 
 
-def _base(here: Sequence[Point], case: Case) -> Point:
+def _base(here: Sequence[FrontPoint], case: Case) -> FrontPoint:
     """The point that knobs are first turned at: 'tuned' where it stands, at the step next to the case's own."""
     first = [point for point in here if point.trial.round == 0]
     tuned = [point for point in first if point.trial.track == "tuned"]
     return min(tuned or first or here, key=lambda point: abs(point.trial.settings.dt / case.dt - 1))
 
 
-def _finest(here: Sequence[Point], case: Case) -> Point | None:
+def _finest(here: Sequence[FrontPoint], case: Case) -> FrontPoint | None:
     """The first point at the finest step of those that may be tried again in time: 'tuned' where it stands."""
     first = [
         point for point in here if point.trial.round == 0 and point.cost * case.put(point.trial.parameters).duration < LONGEST
@@ -176,7 +175,7 @@ def _finest(here: Sequence[Point], case: Case) -> Point | None:
     return min(first, key=lambda point: (point.trial.settings.dt, point.trial.track != "tuned"), default=None)
 
 
-def _family(point: Point) -> Hashable:
+def _family(point: FrontPoint) -> Hashable:
     """What points share that differ in the time step alone."""
     return key_of(point.trial.settings, "dt")
 
@@ -188,14 +187,14 @@ def _label(base: str, settings: Settings, adapter: Adapter) -> str:
     return label_of(base, ((knob.removeprefix(OPTION), position(settings, knob)) for knob in changed))
 
 
-def _screening(base: Point, knobs: Iterable[str], adapter: Adapter) -> Iterator[tuple[Trial, Settings]]:
+def _screening(base: FrontPoint, knobs: Iterable[str], adapter: Adapter) -> Iterator[tuple[Trial, Settings]]:
     """Each of these knobs, turned once."""
     for knob in knobs:
         for value in _beside(base, knob, adapter)[:1]:
             yield base.trial, turned(base.trial.settings, knob, value)
 
 
-def _beside(point: Point, knob: str, adapter: Adapter) -> list[Any]:
+def _beside(point: FrontPoint, knob: str, adapter: Adapter) -> list[Any]:
     """The values next to where a knob stands; the ends of its range where it stands at none of them.
 
     Those that are known to change nothing at that point are passed over.
@@ -223,7 +222,7 @@ class Felt:
         return self.shift > SMALLEST and self.ratio < TELLING
 
 
-def _felt(group: Group, records: Mapping[str, Record], here: Sequence[Point], knobs: Iterable[str]) -> dict[str, Felt]:
+def _felt(group: Group, records: Mapping[str, Record], here: Sequence[FrontPoint], knobs: Iterable[str]) -> dict[str, Felt]:
     """The knobs that changed a trajectory: two runs whose settings differ in the knob alone gave two answers.
 
     Returns: by knob, what it did; a ratio of 1 and an infinite shift where no two of them have an error.
@@ -246,27 +245,27 @@ def _felt(group: Group, records: Mapping[str, Record], here: Sequence[Point], kn
     return felt
 
 
-def _front(here: Sequence[Point]) -> list[Point]:
+def _front(here: Sequence[FrontPoint]) -> list[FrontPoint]:
     """The points of the front, the cheapest first, so found that noise in rough costs leads the search as little as may be.
 
     Of the same settings a coarser step costs less, whatever the rough costs say. Otherwise a point counts where it errs less
     than every one before it that is not dearer by more than rough costs tell.
     """
     least: dict[Hashable, float] = {}
-    candidates: list[Point] = []
+    candidates: list[FrontPoint] = []
     for point in sorted(here, key=lambda point: -point.trial.settings.dt):
         family = _family(point)
         if point.error < least.get(family, math.inf):
             least[family] = point.error
             candidates.append(point)
-    front: list[Point] = []
+    front: list[FrontPoint] = []
     for point in sorted(candidates, key=lambda point: point.trial.round):
         if not any(old.error <= point.error and old.cost < TELLING * point.cost for old in front):
             front = [old for old in front if old.error < point.error or old.cost * TELLING < point.cost] + [point]
     return sorted(front, key=lambda point: (point.cost, -point.error))
 
 
-def _coarser_still(here: Sequence[Point], case: Case) -> Iterator[tuple[Trial, Settings]]:
+def _coarser_still(here: Sequence[FrontPoint], case: Case) -> Iterator[tuple[Trial, Settings]]:
     """Twice the step of what has no error to speak of: that costs less without being worse, however little less."""
     for point in _front(here):
         dt = 2 * point.trial.settings.dt
@@ -286,15 +285,15 @@ def _others(group: Group, records: Mapping[str, Record]) -> int:
     return len({answer for number, answer in answers if number > SCREENING} - first - {None})
 
 
-def _apart(here: Sequence[Point]) -> list[Point]:
+def _apart(here: Sequence[FrontPoint]) -> list[FrontPoint]:
     """Of points with one and the same answer the earliest alone."""
-    earliest: dict[object, Point] = {}
+    earliest: dict[object, FrontPoint] = {}
     for point in sorted(here, key=lambda point: point.trial.round):
         earliest.setdefault(point.record.trajectory_hash or point.trial.trial, point)
     return list(earliest.values())
 
 
-def _layers(here: Sequence[Point]) -> Iterator[list[Point]]:
+def _layers(here: Sequence[FrontPoint]) -> Iterator[list[FrontPoint]]:
     """The front, then that of what is left without it, and so on."""
     left = list(here)
     while left:
@@ -304,7 +303,7 @@ def _layers(here: Sequence[Point]) -> Iterator[list[Point]]:
 
 
 def _around(
-    here: Sequence[Point], felt: Mapping[str, Felt], case: Case, adapter: Adapter, last: int
+    here: Sequence[FrontPoint], felt: Mapping[str, Felt], case: Case, adapter: Adapter, last: int
 ) -> Iterator[tuple[Trial, Settings]]:
     """Lazy generator of the neighbours of the front, then of those of the next front behind it."""
     if last > SCREENING and not any(point.trial.round == last for point in _front(here)):
@@ -314,7 +313,9 @@ def _around(
         yield from _neighbours(layer, foremost, case, adapter)
 
 
-def _neighbours(front: Sequence[Point], live: Sequence[str], case: Case, adapter: Adapter) -> Iterator[tuple[Trial, Settings]]:
+def _neighbours(
+    front: Sequence[FrontPoint], live: Sequence[str], case: Case, adapter: Adapter
+) -> Iterator[tuple[Trial, Settings]]:
     """Around each point of a front, in turn: the time step first, then knob after knob."""
     coarsest, finest = BEYOND * max(case.ladder), min(case.ladder) / BEYOND
     moves: list[list[tuple[Trial, Settings]]] = []
@@ -353,7 +354,7 @@ def due_for_clock(trials: Sequence[Trial], records: Mapping[str, Record], cases:
     return due
 
 
-def spread(front: Sequence[Point]) -> list[Point]:
+def spread(front: Sequence[FrontPoint]) -> list[FrontPoint]:
     """The points of a front, its ends first and then always the one farthest from those before, by the error's logarithm.
 
     Source: T. F. Gonzalez, Clustering to minimize the maximum intercluster distance, Theor. Comput. Sci. 38 (1985) 293.
@@ -366,7 +367,7 @@ def spread(front: Sequence[Point]) -> list[Point]:
     return chosen
 
 
-def _coarser(point: Point, here: Sequence[Point]) -> Point | None:
+def _coarser(point: FrontPoint, here: Sequence[FrontPoint]) -> FrontPoint | None:
     """The same settings at the next coarser time step."""
     own = point.trial.settings
     same = (p for p in here if p.trial.track == point.trial.track and p.trial.settings.dt > own.dt)

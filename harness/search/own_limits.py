@@ -2,7 +2,7 @@
 
 The runs of an engine on one track, told apart by the step that it really takes, are extrapolated to a step of zero with an
 error bar (`harness.statistics.richardson`), up to where that bar leaves the tolerance or the runs no longer draw together
-(`harness.statistics.convergence`). Distances are shares of the size of what moves (`harness.trajectory.parting`).
+(`harness.statistics.richardson`). Distances are shares of the size of what moves (`harness.trajectory.parting`).
 """
 
 import json
@@ -16,8 +16,7 @@ import numpy as np
 from plumbline.harness.adapter import Feature
 from plumbline.harness.adapter.features import features_of
 from plumbline.harness.scene import Scene
-from plumbline.harness.statistics.convergence import Convergence, convergence, horizon
-from plumbline.harness.statistics.richardson import limit
+from plumbline.harness.statistics.richardson import Convergence, convergence, horizon, limit
 from plumbline.harness.store.store import Store
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.trajectory.parting import Extent, apart, common, displaced, length, offsets

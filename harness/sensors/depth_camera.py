@@ -12,7 +12,7 @@ import numpy as np
 
 from plumbline.harness.scene import Camera, DepthCamera, DepthNoise, StereoNoise, StructuredLightNoise, TimeOfFlightNoise
 from plumbline.harness.sensors import stereo, structured_light, time_of_flight
-from plumbline.harness.sensors.pictures import Pictures
+from plumbline.harness.sensors.camera import Pictures
 from plumbline.harness.sensors.pinhole import pixel_rays, view_of
 from plumbline.harness.sensors.reader import Setting, pose_of, row_of
 from plumbline.harness.sensors.seeds import generator

@@ -7,18 +7,88 @@ integrates and dumps puts out, and all that can be known at that instant), turne
 interval. It is therefore the mean over the interval and lags half an interval. The instant is the time stamp less the latency.
 
 Source: Titterton and Weston, Strapdown Inertial Navigation Technology, 2nd ed., sections 3.5 and 11.3.
+
+What an inertial channel does to a signal besides adding noise: a triad out of line, a scale error, bounds and digits.
+
+The triad A of a channel stands turned against S by the rotation vector `misalignment`, so that it reads u_A = R_SA^T u_S; the
+scale error multiplies what it reads. After the noise, readings are rounded to whole multiples of the quantisation, half a
+step to the even one, and kept within the bounds: the greatest multiple that does not exceed the saturation.
+
+Source: IEEE Std 952-1997 and IEEE Std 1293-2018 (misalignment, scale factor, full scale, resolution); Widrow, Kollar,
+Quantization Noise (2008), section 1.1 (rounding to the nearest level).
+
+Noise of an inertial channel: white noise, constant bias, bias instability and rate random walk.
+
+Conventions: densities are those of IEEE Std 952, whose two-sided spectrum of white noise is N^2, so that samples at a rate f
+have the standard deviation N sqrt(f) and the Allan deviation is N / sqrt(tau). Bias instability is a first-order Gauss-Markov
+process of the given correlation time, so strong that the maximum of its Allan deviation is the given floor. The random walk
+starts from zero and gives the Allan deviation K sqrt(tau / 3).
+
+Source: IEEE Std 952-1997, annex C: angle random walk, bias instability, rate random walk and Markov noise.
 """
 
 from collections.abc import Callable
 
 import numpy as np
 
-from plumbline.harness.scene import Effect, Imu
-from plumbline.harness.sensors.imu_errors import read_out, sensed
-from plumbline.harness.sensors.imu_noise import three_axes
+from plumbline.harness.scene import AxisNoise, Effect, Imu
 from plumbline.harness.sensors.reader import Setting, row_of
+from plumbline.harness.sensors.seeds import generator
 from plumbline.harness.trajectory import Floats, State
 from plumbline.harness.trajectory.kinematics import conjugate, product, rotate, rotate_back
+
+MARKOV_PEAK = 0.617364
+"""Largest Allan deviation of a Gauss-Markov process over its standard deviation, at tau = 1.89 correlation times."""
+
+
+def axis_noise(noise: AxisNoise, count: int, interval: float, seed: int, sensor: str, channel: str, axis: int) -> Floats:
+    """Noise of one axis at `count` instants `interval` [s] apart, (count,), in the channel's unit.
+
+    A longer record begins with the shorter one: each process draws from a generator of its own, in the order of time.
+    """
+    total = np.full(count, noise.bias)
+    if noise.density > 0:
+        white = generator(seed, sensor, f"{channel}/white", axis).standard_normal(count)
+        total += noise.density / np.sqrt(interval) * white
+    if noise.instability > 0:
+        from scipy.signal import lfilter  # late: it costs half a second, which only this process of the three needs
+
+        sigma = noise.instability / MARKOV_PEAK
+        memory = np.exp(-interval / noise.instability_time)
+        driving = generator(seed, sensor, f"{channel}/instability", axis).standard_normal(count)
+        # Stationary from the first sample on: that one has the full variance, the others replace what was forgotten.
+        driving[1:] *= np.sqrt(-np.expm1(-2.0 * interval / noise.instability_time))
+        total += sigma * lfilter([1.0], [1.0, -memory], driving)
+    if noise.random_walk > 0:
+        steps = generator(seed, sensor, f"{channel}/random_walk", axis).standard_normal(count)
+        total += noise.random_walk * np.sqrt(interval) * np.cumsum(steps)
+    return total
+
+
+def three_axes(noise: AxisNoise, count: int, interval: float, seed: int, sensor: str, channel: str) -> Floats:
+    """Independent noise of three axes, (count, 3)."""
+    return np.stack([axis_noise(noise, count, interval, seed, sensor, channel, axis) for axis in range(3)], axis=1)
+
+
+def sensed(law: AxisNoise, signal_S: Floats) -> Floats:
+    """The signal (k, 3) as the channel's own triad and scale have it, before noise."""
+    turn = np.array(law.misalignment)
+    angle = float(np.linalg.norm(turn))
+    scaled: Floats = (1.0 + law.scale_error) * signal_S
+    if angle == 0.0:
+        return scaled
+    q_SA = np.array([np.cos(angle / 2), *(np.sin(angle / 2) / angle * turn)])
+    return rotate_back(np.broadcast_to(q_SA, (len(scaled), 4)), scaled)
+
+
+def read_out(law: AxisNoise, signal: Floats) -> Floats:
+    """What comes out for a signal with its noise, in digits and within bounds; what is not a number stays none."""
+    step, bound = law.quantisation, law.saturation
+    if step > 0.0:
+        signal = step * np.rint(signal / step)
+        # A bound written as 16 g and a step of 16 g / 2^15 may miss each other by a rounding.
+        bound = None if bound is None else step * np.floor(bound / step * (1.0 + 1e-12))
+    return signal if bound is None else np.clip(signal, -bound, bound)
 
 
 def ideal(

@@ -12,7 +12,7 @@ from plumbline.harness.trajectory import Floats, State
 _WORLD_ROW = np.array([0.0, 0.0, 0.0, 1.0] + [0.0] * 9)
 
 
-class Reader(Protocol):
+class SensorReader(Protocol):
     """Collects the readings of one sensor."""
 
     def read(self, time: float, state: State) -> None:

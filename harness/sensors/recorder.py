@@ -14,11 +14,11 @@ from plumbline.harness.sensors.camera import CameraReader
 from plumbline.harness.sensors.depth_camera import DepthReader
 from plumbline.harness.sensors.imu import ImuReader
 from plumbline.harness.sensors.lidar import LidarReader
-from plumbline.harness.sensors.reader import Reader, Setting
+from plumbline.harness.sensors.reader import SensorReader, Setting
 from plumbline.harness.sensors.spinning import SpinningReader
 from plumbline.harness.trajectory import Floats, State
 
-READERS: Mapping[str, Callable[..., Reader]] = {
+READERS: Mapping[str, Callable[..., SensorReader]] = {
     "imu": ImuReader,
     "lidar": LidarReader,
     "camera": CameraReader,
@@ -60,7 +60,7 @@ class _Due:
 
     every: int
     late: int
-    reader: Reader
+    reader: SensorReader
 
 
 def _due(sensor: Sensor, setting: Setting, start: State) -> _Due:

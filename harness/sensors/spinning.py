@@ -13,9 +13,7 @@ Source: Hermite interpolation (Hairer, Norsett, Wanner I, section II.6); Shoemak
 import numpy as np
 
 from plumbline.harness.scene import Lidar
-from plumbline.harness.sensors.beams import beams, spread
-from plumbline.harness.sensors.lidar import returns
-from plumbline.harness.sensors.lidar_scans import Scans
+from plumbline.harness.sensors.lidar import Scans, beams, returns, spread
 from plumbline.harness.sensors.reader import Setting, row_of
 from plumbline.harness.trajectory import Floats, Hits, State
 from plumbline.harness.trajectory.kinematics import conjugate, product, rotate

@@ -8,8 +8,7 @@ Source: Scharstein and Szeliski, A Taxonomy and Evaluation of Dense Two-Frame St
 """
 
 from plumbline.harness.scene import StereoNoise
-from plumbline.harness.sensors.returned_light import scattered
-from plumbline.harness.sensors.second_view import in_view_of
+from plumbline.harness.sensors.returned_light import in_view_of, scattered
 from plumbline.harness.sensors.sight import Mask, Sight
 from plumbline.harness.sensors.triangulation import through_disparity, too_steep
 from plumbline.harness.trajectory import Floats

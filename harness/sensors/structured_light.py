@@ -8,8 +8,7 @@ Source: Khoshelham and Elberink, Accuracy and Resolution of Kinect Depth Data fo
 """
 
 from plumbline.harness.scene import StructuredLightNoise
-from plumbline.harness.sensors.returned_light import too_faint
-from plumbline.harness.sensors.second_view import in_view_of
+from plumbline.harness.sensors.returned_light import in_view_of, too_faint
 from plumbline.harness.sensors.sight import Mask, Sight
 from plumbline.harness.sensors.triangulation import through_disparity, too_steep
 from plumbline.harness.trajectory import Floats

@@ -1,4 +1,5 @@
-"""The percentile bootstrap: how a statistic is spread over samples drawn again from those that were taken.
+"""A value with its interval, and the percentile bootstrap: how a statistic is spread over samples drawn again from those that
+were taken.
 
 Sources: B. Efron & R. J. Tibshirani, An Introduction to the Bootstrap (1993), chapter 13 (percentile interval); A. C. Davison &
 D. V. Hinkley, Bootstrap Methods and their Application (1997), section 3.8 (samples that come in groups); T. C. Hesterberg, What
@@ -13,6 +14,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from plumbline.harness.statistics.interval import Interval
 from plumbline.harness.statistics.student import percentile
 
 DRAWS = 2000
@@ -88,3 +90,14 @@ def medians(values: NDArray[np.float64]) -> NDArray[np.float64]:
     lower, upper = ordered[rows, np.maximum(count - 1, 0) // 2], ordered[rows, np.minimum(count // 2, values.shape[1] - 1)]
     middle: NDArray[np.float64] = 0.5 * (lower + upper)
     return middle
+
+
+def ratio(cost: NDArray[np.float64], base: NDArray[np.float64], processes: Sequence[int] | None = None) -> Interval:
+    """Median of cost/base over blocks, and the interval of that median.
+
+    Args:
+        cost, base: CPU time of a unit in the blocks that both were sampled in, shape (b,), b >= 1, positive. processes: the
+        process of each block, whose blocks are drawn together; None for one.
+    """
+    shares = cost / base
+    return Interval(float(np.median(shares)), *interval_of_median(shares, processes))

@@ -8,8 +8,8 @@ Kind = Literal["accuracy", "timing", "session", "withdrawn", "restored"]
 
 
 @dataclass(frozen=True)
-class Asked:
-    """A study in plain values; its experiments are for `harness.study.stored_study`."""
+class StoredStudy:
+    """A study in plain values; its experiments are for `harness.study.experiment`."""
 
     experiments: list[dict[str, Any]] = field(default_factory=list)
     name: str = ""
@@ -19,7 +19,7 @@ class Asked:
 
 
 @dataclass(frozen=True)
-class Line:
+class JournalLine:
     """A line behind its checksum."""
 
     schema: int
@@ -30,7 +30,7 @@ class Line:
 
 
 @dataclass(frozen=True)
-class Names:
+class TrialNames:
     """The content of a line that takes trials out, or brings them back."""
 
     trials: list[str]
@@ -41,7 +41,7 @@ class Names:
 class Session:
     """What a session begins under."""
 
-    study: Asked
+    study: StoredStudy
     machine: dict[str, Any]
     catalogue: str
     trials: list[str]
@@ -49,7 +49,7 @@ class Session:
     files: dict[str, str] = field(default_factory=dict)
 
 
-CONTENTS = {"session": Session, "withdrawn": Names, "restored": Names}
+CONTENTS = {"session": Session, "withdrawn": TrialNames, "restored": TrialNames}
 """By kind, of what lines hold; records and timings check themselves."""
 
 
@@ -131,5 +131,5 @@ class Catalogue:
     engines: dict[str, Engine] = field(default_factory=dict)
 
 
-FORMS: dict[str, type] = {"machine.json": Machine, "catalogue.json": Catalogue, "study.toml": Asked}
+FORMS: dict[str, type] = {"machine.json": Machine, "catalogue.json": Catalogue, "study.toml": StoredStudy}
 """By the name of the file."""

@@ -1,18 +1,21 @@
-"""What robots of a run became: scene, companion and fidelity table of each import, sealed, in a folder named by its content."""
+"""What robots of a run became: scene, companion and fidelity table of each import, sealed, in a folder named by its content;
+and what a comparison of robot files came to.
+"""
 
 import hashlib
 import json
 import re
 from collections.abc import Iterator
+from dataclasses import asdict, dataclass
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import tomli_w
 from pydantic import FiniteFloat, TypeAdapter, ValidationError
 from typing_extensions import TypedDict
 
-from plumbline.harness.case.own_titles import OWN
+from plumbline.harness.case.undropped import OWN
 from plumbline.harness.case.undropped import beside as undropped_beside
 from plumbline.harness.scene import PlacedShape
 from plumbline.harness.scene.file import dump_toml
@@ -20,6 +23,7 @@ from plumbline.harness.scene.importers.commands import Log
 from plumbline.harness.scene.importers.fidelity import plain
 from plumbline.harness.scene.importers.imported import Imported
 from plumbline.harness.store import disk
+from plumbline.harness.store.disk import make_folder, write_atomically
 from plumbline.harness.store.journal import refuse_links
 from plumbline.harness.store.seal import Damaged, check_seal, require_seal, sealed_json, sealed_toml
 
@@ -159,3 +163,73 @@ def unsound(folder: Path) -> Iterator[tuple[Path, str]]:
             require_seal(path, disk.read(path))
         except Damaged as error:
             yield path, str(error)
+
+
+FILE = "parity.json"
+SCHEMA = 1
+Verdict = Literal["same", "differs", "refused"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ParitySide:
+    """What the first file is held against.
+
+    Terms:
+        name: the loader's, or the other file's. engine: '' for a file. source: with its version, in words. refused: why there
+        is nothing; '' where there is. rows: what differs, each as `harness.scene.parity.difference.plain` gives it. notes: in
+        words. matrix_gap: the largest difference of an engine's own mass matrix from that of what it tells, relative.
+    """
+
+    name: str
+    engine: str = ""
+    source: str = ""
+    refused: str = ""
+    rows: tuple[dict[str, Any], ...] = ()
+    notes: tuple[str, ...] = ()
+    matrix_gap: float | None = None
+
+    @property
+    def verdict(self) -> Verdict:
+        """In a word."""
+        return "refused" if self.refused else "differs" if self.rows else "same"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ParityRecord:
+    """A comparison.
+
+    Terms:
+        file: the first one's name. joints: how many it has. root: how it is held. tolerance, seed: as asked. sides: one for
+        each loader, or one for the other file. parting: the fields of `harness.scene.parity.parting.Parting`, and `move`, what
+        moved both; None where that was not asked.
+    """
+
+    file: str
+    joints: int
+    root: str
+    tolerance: float
+    seed: int
+    sides: tuple[ParitySide, ...]
+    parting: dict[str, Any] | None = None
+
+
+def write(folder: Path, record: ParityRecord) -> Path:
+    """`folder/parity.json`, sealed. Raises: OSError."""
+    make_folder(folder)
+    path = folder / FILE
+    write_atomically(path, sealed_json(FILE, {"schema": SCHEMA, **asdict(record)}))
+    return path
+
+
+def read(folder: Path) -> ParityRecord:
+    """What `write` has written. Raises: OSError, Damaged."""
+    path = folder / FILE
+    content = path.read_bytes()
+    if not check_seal(path, content):
+        raise Damaged("it has no seal, expected one at its end")
+    table = json.loads(content)
+    if table.pop("schema") != SCHEMA:
+        raise Damaged(f"its schema is not {SCHEMA}")
+    del table["checksum"]
+    sides = (ParitySide(**{**side, "rows": tuple(side["rows"]), "notes": tuple(side["notes"])}) for side in table.pop("sides"))
+    return ParityRecord(**table, sides=tuple(sides))

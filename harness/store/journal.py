@@ -16,9 +16,8 @@ from typing import Any, ClassVar, Generic, TypeVar
 
 from plumbline.harness.intake.error import LiesIn, PlumblineError
 from plumbline.harness.store import disk
-from plumbline.harness.store.checked import checked
-from plumbline.harness.store.forms import CONTENTS, Kind, Line
-from plumbline.harness.store.record import SCHEMA_VERSION, Record, Timing, parts_of_runs
+from plumbline.harness.store.forms import CONTENTS, JournalLine, Kind
+from plumbline.harness.store.record import SCHEMA_VERSION, Record, Timing, checked, parts_of_runs
 
 
 class StoreError(PlumblineError):
@@ -59,7 +58,7 @@ class FolderTaken(StoreError):
 
 
 @dataclass(slots=True)
-class Chain:
+class LineChain:
     """The lines of a journal so far, whatever is kept of what they say.
 
     Terms:
@@ -153,7 +152,7 @@ class Chain:
 
 
 @dataclass(slots=True)
-class Written(Chain):
+class Written(LineChain):
     """All that a journal says.
 
     Terms:
@@ -216,7 +215,7 @@ def _line(number: int, before: str, kind: Kind, content: Mapping[str, Any]) -> t
     return checksum, b"%b %b\n" % (checksum.encode(), text)
 
 
-def _amiss(written: Chain, entry: Line) -> str:
+def _amiss(written: LineChain, entry: JournalLine) -> str:
     """The error in the chain of the line, or ''."""
     due, before = len(written.checksums) + 1, written.checksums[-1] if written.checksums else ""
     number = entry.number
@@ -237,7 +236,7 @@ def check_schema(path: Path, schema: int, where: str = "") -> None:
         raise DamagedFile(path, what, "run the study again into a new folder")
 
 
-Lines = TypeVar("Lines", bound=Chain)
+Lines = TypeVar("Lines", bound=LineChain)
 
 
 def read_lines(chain: Lines) -> Lines:
@@ -261,7 +260,7 @@ def read_lines(chain: Lines) -> Lines:
     return chain
 
 
-def _take(chain: Chain, number: int, line: bytes, *, last: bool) -> bool:
+def _take(chain: LineChain, number: int, line: bytes, *, last: bool) -> bool:
     """Take one line in; False for the rest that a kill left of one. Raises: DamagedFile."""
     path = chain.path
     checksum, _, text = line.removesuffix(b"\n").partition(b" ")
@@ -281,7 +280,7 @@ def _take(chain: Chain, number: int, line: bytes, *, last: bool) -> bool:
         plain = json.loads(text)
         if isinstance(plain, dict) and isinstance(plain.get("schema"), int):
             check_schema(path, plain["schema"], f"line {number} ")
-        entry = checked(Line, plain, "line")
+        entry = checked(JournalLine, plain, "line")
         if amiss := _amiss(chain, entry):
             raise ValueError(amiss)
         if entry.kind in CONTENTS:

@@ -7,13 +7,13 @@ from pathlib import Path
 from typing import Any
 
 from plumbline.harness.store import disk
-from plumbline.harness.store.journal import Chain, read_lines
+from plumbline.harness.store.journal import LineChain, read_lines
 from plumbline.harness.store.record import Record, Timing
 from plumbline.harness.store.stored_tables import ORDER, Order, order_of
 
 
 @dataclass(slots=True)
-class Entry:
+class Whereabouts:
     """Where a record and its timing stand [bytes], and what is asked of many at once.
 
     Terms: order: among the rows of tables. timing: None without a line of its own. question: what is clocked side by side, a
@@ -37,11 +37,11 @@ class Entry:
 
 
 @dataclass(slots=True)
-class Index(Chain):
+class Index(LineChain):
     """Terms: entries: by trial, without the withdrawn; lost: those of the withdrawn."""
 
-    entries: dict[str, Entry] = field(default_factory=dict)
-    lost: dict[str, Entry] = field(default_factory=dict)
+    entries: dict[str, Whereabouts] = field(default_factory=dict)
+    lost: dict[str, Whereabouts] = field(default_factory=dict)
 
     def holds(self, trial: str) -> bool:
         """Has it a record of this trial?"""
@@ -54,7 +54,7 @@ class Index(Chain):
     def answer(self, content: Mapping[str, Any]) -> None:
         """A record in plain values. Raises: ValueError."""
         record = Record.from_plain(content)
-        self.entries[record.trial] = Entry(
+        self.entries[record.trial] = Whereabouts(
             order=order_of({name: getattr(record, name) for name in ORDER}),
             start=self.end,
             status=record.status,

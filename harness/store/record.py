@@ -1,16 +1,75 @@
-"""A record: all that is kept of one trial, with the names of the table columns."""
+"""A record: all that is kept of one trial, with the names of the table columns, and the notices in it. What a file of the store
+says is checked against a form before anybody uses it: a right checksum makes no content right.
+"""
 
 import dataclasses
 import hashlib
 import json
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cache
 from typing import Any, Literal, TypeVar
 
-from plumbline.harness.store.checked import checked
-from plumbline.harness.store.notices import StoredNotice
+T = TypeVar("T")
+
+
+@cache
+def _form(of: Any) -> Any:
+    from pydantic import TypeAdapter  # late: a listing reads no store
+
+    return TypeAdapter(of)
+
+
+def checked(form: type[T], value: object, what: str) -> T:
+    """The value as one of a dataclass, each field of its type; fields that are not known are passed over.
+
+    Args: value: of JSON or TOML. Raises: ValueError, with the field that is none.
+    """
+    try:
+        typed: T = _form(form).validate_python(value)  # type: ignore[arg-type]  # a class can be hashed
+    except ValueError as error:
+        first = error.errors(include_url=False)[0]  # type: ignore[attr-defined]  # of pydantic, which is loaded late
+        where = ".".join(map(str, first["loc"])) or what
+        raise ValueError(f"holds no {what}: {where}: {first['msg']}, got {str(first['input'])[:80]!r}") from None
+    return typed
+
+
+@dataclass(frozen=True, slots=True)
+class StoredNotice:
+    """A notice in plain values.
+
+    Terms: as of `harness.adapter.Notice`; effect: the name of it, '' for a note. by: who says it: the engine or its adapter,
+    what judges the answer, what clocks it roughly beside its run, or its timing run.
+    """
+
+    text: str
+    kind: Literal["note", "surplus", "missing", "capacity"] = "note"
+    effect: str = ""
+    by: Literal["engine", "judge", "rough clock", "timing"] = "engine"
+
+    def __str__(self) -> str:
+        """As a line for people, by its kind first."""
+        return self.text if self.kind == "note" else f"{self.kind}: {self.text}"
+
+
+def short_of(notices: Iterable[StoredNotice]) -> str:
+    """What an engine could not hold, before the rest of a reason: 'contacts reached 1000, ...; '; '' if it held all."""
+    return "".join(f"{notice.text}; " for notice in notices if notice.kind == "capacity")
+
+
+def notice_of(line: str) -> StoredNotice:
+    """The notice of a line for people, which names its effect as code or people do."""
+    from plumbline.harness.scene import Effect  # late: who has a journal does not pay for scenes
+
+    words = line.lower().replace(",", " ").replace(":", " ").replace("(", " ").split()
+    effect = next((name for name in Effect(~0).names if name in words or name.replace("_", " ") in " ".join(words)), "")
+    for kind in ("surplus", "missing", "capacity"):
+        if line.startswith(f"{kind}: "):
+            return StoredNotice(line.removeprefix(f"{kind}: "), kind, effect if kind != "capacity" else "")
+    return StoredNotice(line)
+
 
 SCHEMA_VERSION = 3
 """Raised when a field changes its meaning; a store with another number is refused."""
@@ -150,6 +209,8 @@ class Record:
         motion: the digest of all that moves the run, and of nothing that judges it; '' in folders of older versions.
         simulated_as: of a kept answer that was judged anew, the trial that simulated it; '' of one that was simulated.
         broke: when and how it diverged, None where it did not; no column.
+        memory [B]: by how much the process of the accuracy run grew while worlds were built and stepped; None of a case without
+        a number of worlds, and in folders of older versions.
     """
 
     trial: str
@@ -205,6 +266,7 @@ class Record:
     idle: tuple[tuple[str, Any], ...] = ()
     motion: str = ""
     simulated_as: str = ""
+    memory: float | None = None
     broke: str | None = None
     measurements: tuple[Measurement, ...] = ()
     samples: tuple[Sample, ...] = ()

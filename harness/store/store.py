@@ -12,10 +12,9 @@ from numpy.typing import NDArray
 
 from plumbline.harness.store import disk
 from plumbline.harness.store.arrays import read_arrays
-from plumbline.harness.store.checked import checked
 from plumbline.harness.store.forms import FORMS
-from plumbline.harness.store.journal import Chain, DamagedFile, NoRun, NotKept, StoreError, Written, read_written
-from plumbline.harness.store.notices import StoredNotice, notice_of
+from plumbline.harness.store.journal import DamagedFile, LineChain, NoRun, NotKept, StoreError, Written, read_written
+from plumbline.harness.store.record import StoredNotice, checked, notice_of
 from plumbline.harness.store.rows import records
 from plumbline.harness.store.seal import Damaged, check_seal, sealed_json
 from plumbline.harness.store.stored_tables import BESIDE, COLUMNS, read_tables, tables_of
@@ -59,7 +58,7 @@ def read_plain(path: Path) -> dict[str, Any]:
     return table
 
 
-def ends_early(written: Chain, machine: Mapping[str, Any]) -> str:
+def ends_early(written: LineChain, machine: Mapping[str, Any]) -> str:
     """How a journal ends before the line that it had when its folder's machine.json was written; '' where it does not."""
     known = machine.get("journal") or {"lines": 0, "checksum": ""}
     lines, checksum = known["lines"], known["checksum"]

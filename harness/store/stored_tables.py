@@ -155,9 +155,9 @@ def write_tables(folder: Path, records: Iterable[Record]) -> dict[str, str]:
 def read_tables(folder: Path) -> dict[str, pd.DataFrame]:
     """The tables by name, which another program may have written: looked at, then read. Raises: StoreError."""
     tables = {name: _table(folder / f"{name}.parquet", needed) for name, needed in _NEEDED.items()}
-    for column in _LATER:
+    for column, blank in _LATER.items():
         if column not in tables["trials"]:
-            tables["trials"][column] = ""
+            tables["trials"][column] = blank
     for column in (column for column in JSON_COLUMNS if column in tables["trials"]):
         for text in dict.fromkeys(tables["trials"][column]):
             try:
@@ -169,8 +169,8 @@ def read_tables(folder: Path) -> dict[str, pd.DataFrame]:
     return tables
 
 
-_LATER = ("motion", "simulated_as")
-"""Columns of the trials that older versions did not write, all of words: empty then."""
+_LATER = {"motion": "", "simulated_as": "", "memory": math.nan}
+"""Columns of the trials that older versions did not write, and what stands there then."""
 _NEEDED = {
     "trials": tuple(name for name in COLUMNS["trials"] if name not in _LATER),
     "measurements": ("trial", "metric", "value"),

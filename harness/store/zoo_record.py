@@ -36,7 +36,7 @@ class InEngine:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Entry:
+class ZooEntry:
     """One robot.
 
     Terms: name: unique in a zoo. package, version: what brought it along. licence: in the package's words. file: within the
@@ -67,22 +67,22 @@ class Entry:
         return asdict(self)
 
     @staticmethod
-    def of(plain: dict[str, Any]) -> "Entry":
+    def of(plain: dict[str, Any]) -> "ZooEntry":
         """From JSON. Raises: ValidationError."""
         return _FORM.validate_python(plain)
 
 
-_FORM: TypeAdapter[Entry] = TypeAdapter(Entry)
+_FORM: TypeAdapter[ZooEntry] = TypeAdapter(ZooEntry)
 
 
-def write(folder: Path, entry: Entry) -> None:
+def write(folder: Path, entry: ZooEntry) -> None:
     """Keep an entry. Raises: OSError."""
     disk.make_folder(folder / FOLDER)
     path = folder / FOLDER / f"{entry.name}.json"
     disk.write_atomically(path, sealed_json(path.name, entry.plain()))
 
 
-def entries(folder: Path) -> Iterator[Entry]:
+def entries(folder: Path) -> Iterator[ZooEntry]:
     """The entries of a run folder in the order of their names; none of one that is no zoo's. Raises: Damaged."""
     for path in sorted((folder / FOLDER).glob("*.json")):
         yield _read(path)
@@ -97,14 +97,14 @@ def unsound(folder: Path) -> Iterator[tuple[Path, str]]:
             yield path, str(error)
 
 
-def _read(path: Path) -> Entry:
+def _read(path: Path) -> ZooEntry:
     content = disk.read(path)
     if not check_seal(path, content):
         raise Damaged(f"{path}: it has no checksum")
     table = json.loads(content)
     del table["checksum"]
     try:
-        entry = Entry.of(table)
+        entry = ZooEntry.of(table)
     except ValidationError as error:
         first = error.errors()[0]
         raise Damaged(f"{path}: {'.'.join(map(str, first['loc']))}: {first['msg']}") from None

@@ -13,9 +13,8 @@ from plumbline.harness.case.alteration import ALONE, REFINED, Alteration, depart
 from plumbline.harness.case.own_truth import refused
 from plumbline.harness.intake.allowance import beyond
 from plumbline.harness.scene import Scene
-from plumbline.harness.study.axes import axis_of, steps_of
 from plumbline.harness.study.engine_versions import engine_of, named_by
-from plumbline.harness.study.experiment import Experiment, StudyError, Variant
+from plumbline.harness.study.experiment import Experiment, StudyError, Variant, axis_of, steps_of
 from plumbline.harness.study.foreseen_cost import misfit, too_many_steps, too_much
 from plumbline.harness.study.library_variants import LIBRARY_VARIANTS
 from plumbline.harness.study.trial import Trial, question_of, scene_of

@@ -1,7 +1,9 @@
-"""An experiment of a study: which cases, engines and settings it asks for, what it sweeps, limits and repeats."""
+"""An experiment of a study: which cases, engines and settings it asks for, what it sweeps, limits and repeats; and those of a
+stored study.
+"""
 
-from collections.abc import Mapping
-from dataclasses import replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 from typing import Annotated, Any, Literal, TypeAlias, TypeVar
 
@@ -9,11 +11,13 @@ from pydantic import AfterValidator, Field, TypeAdapter
 from pydantic.dataclasses import dataclass as validated
 
 from plumbline.harness.adapter import Settings
-from plumbline.harness.case import Clocks
+from plumbline.harness.case import Axis, Case, Clocks
 from plumbline.harness.intake.error import PlumblineError
 from plumbline.harness.intake.safe_text import quoted
 from plumbline.harness.intake.typed_fields import FieldError, filled
 from plumbline.harness.scene.values import FROZEN, Name
+from plumbline.harness.store.journal import StoreError
+from plumbline.harness.store.store import Store
 
 Track = Literal["default", "tuned"]
 Change = Literal["iterations", "law"]
@@ -216,3 +220,72 @@ def experiment_from(table: Any, source: str) -> Experiment:
         return filled(TypeAdapter(Experiment), table, source)
     except FieldError as error:
         raise StudyError(str(error)) from None
+
+
+BEYOND = 4.0
+"""A limit along the time step is sought up to so many times the coarsest step of a case's ladder."""
+
+
+def axis_of(experiment: Experiment, case: Case) -> Axis:
+    """What the limit of an experiment is sought along, with the ends that the experiment sets. Raises: StudyError."""
+    return axis_among(experiment, case.name, case.hard, case.ladder, case.parameters)
+
+
+def axis_among(
+    experiment: Experiment, case: str, hard: Axis | None, ladder: Sequence[float], parameters: Mapping[str, Any]
+) -> Axis:
+    """The same for a case of which these are known. Raises: StudyError."""
+    limit = experiment.limit or Limit()
+    if limit.along == "dt":
+        axis = Axis(parameter="dt", unit="s", easy=min(ladder), extreme=BEYOND * max(ladder))
+    elif hard is not None and limit.along in ("axis", hard.parameter):
+        axis = hard
+    elif limit.along in parameters:
+        if limit.easy is None or limit.extreme is None:
+            raise StudyError(
+                f"experiment '{experiment.name}': limit along '{limit.along}' has no ends, expected easy and extreme"
+            )
+        axis = Axis(parameter=limit.along, unit="1", easy=limit.easy, extreme=limit.extreme)
+    else:
+        known = ", ".join(("dt", *parameters))
+        raise StudyError(f"experiment '{experiment.name}': case '{case}' has no axis '{limit.along}', expected one of: {known}")
+    easy = axis.easy if limit.easy is None else limit.easy
+    return replace(axis, easy=easy, extreme=axis.extreme if limit.extreme is None else limit.extreme)
+
+
+def steps_of(experiment: Experiment, case: Case) -> tuple[float, ...]:
+    """The time steps [s] at which an experiment runs a case."""
+    if experiment.limit is not None and experiment.limit.along == "dt":
+        return (axis_of(experiment, case).easy,)
+    if experiment.dt == "case":
+        return (case.dt,)
+    if experiment.dt == "ladder":
+        return case.ladder
+    return tuple(experiment.dt)
+
+
+@dataclass(frozen=True, slots=True)
+class Departure:
+    """How a variant differs in one thing. Terms: beside: the track or variant that it differs from. changes: the thing."""
+
+    beside: str
+    changes: str
+
+
+def experiments_of(store: Store) -> list[Experiment]:
+    """All experiments in order; none where the folder does not hold its study. Raises: StoreError."""
+    path = store.folder / "study.toml"
+    try:
+        return [experiment_from(table, str(path)) for table in store.study.get("experiments", [])]
+    except StudyError as error:
+        raise StoreError(str(error)) from error
+
+
+def departures_of(store: Store) -> Mapping[tuple[str, str], Departure]:
+    """By engine and name, the variants that change one thing."""
+    return {
+        (engine, name): Departure(variant["beside"], variant["changes"])
+        for engine, named in store.study.get("variants", {}).items()
+        for name, variant in named.items()
+        if "changes" in variant
+    }

@@ -16,7 +16,7 @@ from typing import Any
 
 from plumbline.harness.adapter import Adapter, Feature, Settings, Simulation, Unavailable
 from plumbline.harness.case import Case
-from plumbline.harness.case.own_titles import OWN
+from plumbline.harness.case.undropped import OWN
 from plumbline.harness.intake.apart import NoAnswer, apart
 from plumbline.harness.intake.error import PlumblineError
 from plumbline.harness.intake.near_miss import did_you_mean

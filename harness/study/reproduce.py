@@ -6,8 +6,7 @@ from plumbline.harness.adapter import Settings
 from plumbline.harness.case.alteration import Alteration
 from plumbline.harness.store.journal import NoRun
 from plumbline.harness.store.store import Store
-from plumbline.harness.study.experiment import Experiment
-from plumbline.harness.study.stored_study import experiments_of
+from plumbline.harness.study.experiment import Experiment, experiments_of
 from plumbline.harness.study.trial import Trial
 
 

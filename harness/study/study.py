@@ -1,6 +1,11 @@
-"""A study: a named list of experiments; the part of a study file that people write."""
+"""A study: a named list of experiments; the part of a study file that people write.
 
-from collections.abc import Callable, Iterator, Mapping
+The study of a scene of the user's own: a ladder of time steps on both tracks of every engine, and what the scene calls
+for.
+"""
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Annotated
 
@@ -9,13 +14,14 @@ from pydantic.dataclasses import dataclass as validated
 
 from plumbline.harness.adapter import Adapter
 from plumbline.harness.case import Case
+from plumbline.harness.intake.allowance import allowance
 from plumbline.harness.intake.documents import InputError, document, named
 from plumbline.harness.intake.near_miss import did_you_mean
 from plumbline.harness.intake.safe_text import quoted
 from plumbline.harness.intake.typed_fields import FieldError, filled
 from plumbline.harness.scene.values import FROZEN, Name
 from plumbline.harness.study.expansion import check_truths, trials_of
-from plumbline.harness.study.experiment import Experiment, FolderName, Some, StudyError, Variant
+from plumbline.harness.study.experiment import Experiment, FolderName, Refinement, Some, StudyError, Variant
 from plumbline.harness.study.trial import Trial
 
 
@@ -83,3 +89,58 @@ def load_study(name: str) -> Study:
         return filled(TypeAdapter(Study), document(path), named(path))
     except (InputError, FieldError) as error:
         raise StudyError(str(error)) from None
+
+
+HALVED = 16
+"""What part of the first step the ladder is halved down to at least."""
+BUDGET = 120.0
+"""Seconds that a person waits for all of it; as many CPU seconds are the ladder's, which has half of the time on two cores."""
+SAMPLE = 0.01
+"""Seconds of a timing sample: runs of many engines and steps have to be clocked within the minutes that one waits."""
+
+
+def study_of(case: Case, budget: float | None = None) -> Study:
+    """Where every engine ends in this scene, what that costs at each step, and which effects the scene needs.
+
+    The ladder ends at a step at which a run takes as many of them as are allowed, however long it lasts.
+
+    Args: budget [s]: of waiting time, BUDGET if None.
+    """
+    finest = max(case.dt / HALVED, case.duration / max(allowance().steps - 1, 1))
+    refined = Refinement(finest=finest, member_dt=case.ladder[-1], budget=BUDGET if budget is None else budget)
+    ladder = Experiment(name="ladder", dt="ladder", refine=refined, sample_seconds=SAMPLE)
+    # Effects are told from an engine's own error, so that they are asked about at a step at which it is small.
+    needs = Experiment(name="effects", tracks=("tuned",), dt=(case.ladder[1],), effects=True, samples=3, sample_seconds=SAMPLE)
+    return Study(name="scene", title=case.title, purpose=case.question, experiments=(ladder, needs))
+
+
+def twice(names: Iterable[str]) -> str:
+    """The first name that stands more than once; '' where each stands once."""
+    seen: set[str] = set()
+    for name in names:
+        if name in seen:
+            return name
+        seen.add(name)
+    return ""
+
+
+def _check(where: str, field: str, patterns: Iterable[str], known: Sequence[str]) -> None:
+    for pattern in patterns:
+        if not any(fnmatchcase(name, pattern) for name in known):
+            there = ", ".join(known) or "none"
+            raise StudyError(f"{where}: {field}: {quoted(pattern)} names nothing, expected a pattern over: {there}")
+
+
+def call_roll(study: Study, cases: Sequence[str], engines: Sequence[str]) -> None:
+    """Check a study against the names of all cases and engines that there are. Raises: StudyError."""
+    where = f"study '{study.name}'"
+    for engine in study.variants:
+        if engine not in engines:
+            raise StudyError(f"{where}: variants: {quoted(engine)} is no engine, expected one of: {', '.join(engines)}")
+    variants = [f"{engine}/{name}" for engine, named in study.variants.items() for name in named]
+    for experiment in study.experiments:
+        here = f"{where}: experiment '{experiment.name}'"
+        _check(here, "cases", experiment.cases, cases)
+        _check(here, "without", experiment.without, cases)
+        _check(here, "engines", experiment.engines, engines)
+        _check(here, "variants", experiment.variants, variants)

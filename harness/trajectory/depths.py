@@ -9,7 +9,7 @@ import numpy as np
 
 from plumbline.harness.scene import PlacedShape, Scene
 from plumbline.harness.trajectory import Floats, Integers, Trajectory
-from plumbline.harness.trajectory.convex_depth import Solid, Unmeasured, depth, reach, solid
+from plumbline.harness.trajectory.convex_depth import Convex, Unmeasured, depth, reach, solid
 from plumbline.harness.trajectory.kinematics import product, rotate
 
 POSES = 1024
@@ -53,7 +53,7 @@ def pair_depths(scene: Scene, run: Trajectory) -> Iterator[tuple[int, int, Float
             yield shapes[pair.a][0], shapes[pair.b][0], whole
 
 
-def _near(scene: Scene, places: Sequence[int], solids: Sequence[Solid | None], p: Floats) -> Iterator[_Near]:
+def _near(scene: Scene, places: Sequence[int], solids: Sequence[Convex | None], p: Floats) -> Iterator[_Near]:
     """The pairs of shapes that can touch and come near. Args: places: of their bodies; p: of the shapes, (t, n, 3) m."""
     reaches = np.array([math.inf if hull is None else reach(hull) for hull in solids])
     for a, place in enumerate(places):
@@ -76,14 +76,14 @@ def _together(pairs: Iterable[_Near]) -> Iterator[list[_Near]]:
         yield some
 
 
-def _solid(placed: PlacedShape) -> Solid | None:
+def _solid(placed: PlacedShape) -> Convex | None:
     try:
         return solid(placed.shape)
     except Unmeasured:
         return None
 
 
-def _depths(pairs: Sequence[_Near], solids: Sequence[Solid | None], p: Floats, q: Floats) -> list[Floats | None]:
+def _depths(pairs: Sequence[_Near], solids: Sequence[Convex | None], p: Floats, q: Floats) -> list[Floats | None]:
     """The depth of each pair where it is near, (k,) m; None where it is not known exactly. Equal solids go together."""
     alike: dict[tuple[int, int], list[int]] = {}
     for number, pair in enumerate(pairs):

@@ -15,13 +15,12 @@ from plumbline.harness.case import Case, Converged
 from plumbline.harness.case.own_truth import breaks
 from plumbline.harness.metric import Metric, NotMeasurable
 from plumbline.harness.scene import Scene
-from plumbline.harness.store.notices import StoredNotice, short_of
-from plumbline.harness.store.record import Measurement, Record, Status
-from plumbline.harness.store.trajectory_file import as_kept, read_trajectory, save_trajectory
+from plumbline.harness.store.arrays import as_kept, read_trajectory, save_trajectory
+from plumbline.harness.store.record import Measurement, Record, Status, StoredNotice, short_of
 from plumbline.harness.study.trial import Trial
 from plumbline.harness.trajectory import Trajectory
 from plumbline.harness.trajectory.pace import Pace
-from plumbline.harness.trial.answer import Answer, answer_of
+from plumbline.harness.trial.answer import RunAnswer, answer_of
 from plumbline.harness.trial.truth_cache import bounded, truth_of
 
 _TOLD_OTHERWISE = {"experiment", "base", "settings", "alteration"}
@@ -191,7 +190,7 @@ def judged_anew(
     if actual is None:
         return None
     notices = tuple(notice for notice in earlier.warnings if notice.by == "engine")
-    answer = Answer(replace(actual, even=pace.even), earlier.broke, earlier.resolved, notices, pace)
+    answer = RunAnswer(replace(actual, even=pace.even), earlier.broke, earlier.resolved, notices, pace, memory=earlier.memory)
     record = _judged(trial, case, scene, answer, folder, answered)
     clocked = (notice for notice in earlier.warnings if notice.by == "rough clock")
     return replace(
@@ -207,7 +206,7 @@ def _judged(
     trial: Trial,
     case: Case,
     scene: Scene,
-    answer: Answer,
+    answer: RunAnswer,
     folder: Path | None,
     answered: Callable[[Record], object] | None = None,
 ) -> Record:
@@ -221,6 +220,7 @@ def _judged(
         warnings=warnings,
         sim_seconds=answer.sim_seconds,
         steps=answer.steps,
+        memory=answer.memory,
     )
     if answered is not None:
         answered(plain)

@@ -23,17 +23,16 @@ from plumbline.harness.adapter import Adapter, Diverged, SettingsError, Unavaila
 from plumbline.harness.case import Case
 from plumbline.harness.case.starts import Member, member
 from plumbline.harness.metric import NotMeasurable
-from plumbline.harness.metric.starts import START
+from plumbline.harness.metric.series import START
 from plumbline.harness.metrics.collapse import SIGNS, collapse_time, first_break
 from plumbline.harness.metrics.stack import standing_height
 from plumbline.harness.scene import Scene
-from plumbline.harness.store.notices import short_of
-from plumbline.harness.store.record import Measurement, Record
-from plumbline.harness.store.trajectory_file import save_trajectory
+from plumbline.harness.store.arrays import save_trajectory
+from plumbline.harness.store.record import Measurement, Record, short_of
 from plumbline.harness.study.trial import Trial
 from plumbline.harness.trajectory import Trajectory
 from plumbline.harness.trial.accuracy import judge, outcome, refusal
-from plumbline.harness.trial.answer import Answer, answer_of
+from plumbline.harness.trial.answer import RunAnswer, answer_of
 from plumbline.harness.trial.bench import Bench, rough_cost
 from plumbline.harness.trial.truth_cache import bounded, truth_of
 
@@ -60,7 +59,7 @@ class Fate:
     time: float
     beside: str
     scene: Scene
-    answer: Answer
+    answer: RunAnswer
     checked: bool
     error: "_Error | None" = None
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import pandas as pd
 
-from plumbline.harness.findings.steps_taken import substeps_of
+from plumbline.harness.findings.parameter_words import substeps_of
 from plumbline.harness.metric.titles import metric_title
 from plumbline.harness.store.rows import grouped, records
 from plumbline.harness.store.store import Store

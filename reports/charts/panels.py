@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from plumbline.harness.findings.changes.values import Beside
 from plumbline.harness.history.regressions import Trends
 from plumbline.harness.history.series import Series
-from plumbline.harness.history.steps import Step
+from plumbline.harness.history.steps import PriceStep
 from plumbline.harness.statistics.change_points import Level, levelled, levels
 from plumbline.harness.store.rows import grouped
 from plumbline.harness.trajectory import Floats
@@ -33,7 +33,7 @@ class TrendPanel:
     index: Floats
     segments: NDArray[np.int64]
     levels: tuple[Level, ...]
-    steps: tuple[Step, ...]
+    steps: tuple[PriceStep, ...]
     beside: Beside
     series: int
     otherwise: tuple[tuple[int, int, int], ...]

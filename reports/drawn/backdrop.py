@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from plumbline.reports.drawn.stage_set import Ground
+from plumbline.reports.drawn.stage_set import GroundPlane
 from plumbline.reports.drawn.view import View, seen_from
 from plumbline.reports.recordings.rotation import Floats
 
@@ -34,7 +34,7 @@ class Backdrop:
     above: Floats | None
 
 
-def backdrop_of(view: View, ground: Ground | None) -> Backdrop:
+def backdrop_of(view: View, ground: GroundPlane | None) -> Backdrop:
     """The backdrop of a view; a ground that is seen edge-on is none."""
     fine = View(view.R, view.middle, view.pixel / GRAIN, view.width * GRAIN, view.height * GRAIN, view.low, view.high)
     room = 0.05 * float((view.high - view.low).max())
@@ -55,7 +55,7 @@ def backdrop_of(view: View, ground: Ground | None) -> Backdrop:
     return Backdrop(fine, sun, GROUND_ALPHA + LINE_ALPHA * _lines(ground, fine, points), u, v, above)
 
 
-def _lines(ground: Ground, view: View, points: Floats) -> Floats:
+def _lines(ground: GroundPlane, view: View, points: Floats) -> Floats:
     """How much of each point (h, w, 3) m of the ground a line of its grid covers, 0..1."""
     side = np.cross(ground.normal, [0.0, 1.0, 0.0] if abs(ground.normal[1]) < 0.9 else [1.0, 0.0, 0.0])
     side /= np.linalg.norm(side)

@@ -7,13 +7,13 @@ import numpy as np
 
 from plumbline.reports.drawn.convex import entered
 from plumbline.reports.drawn.meshes import splatted
-from plumbline.reports.drawn.solids import Solid
+from plumbline.reports.drawn.solids import DrawnSolid
 from plumbline.reports.drawn.view import View
 from plumbline.reports.recordings.rotation import Floats
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Hits:
+class FirstHits:
     """Terms: height (h, w) m towards the eye, -inf where nothing is met. normal (h, w, 3) in the view. paint (h, w, 3)."""
 
     height: Floats
@@ -21,10 +21,10 @@ class Hits:
     paint: Floats
 
 
-def first_hits(view: View, solids: Sequence[Solid], shaded: bool = True) -> Hits:
+def first_hits(view: View, solids: Sequence[DrawnSolid], shaded: bool = True) -> FirstHits:
     """All solids through the middles of the pixels. Args: shaded: without, normals and paints stay zero: for shadows."""
     size = (view.height, view.width)
-    hits = Hits(np.full(size, -np.inf), np.zeros((*size, 3)), np.zeros((*size, 3)))
+    hits = FirstHits(np.full(size, -np.inf), np.zeros((*size, 3)), np.zeros((*size, 3)))
     across = (np.arange(view.width) + 0.5 - view.width / 2) * view.pixel
     up = (view.height / 2 - np.arange(view.height) - 0.5) * view.pixel
     for solid in solids:
@@ -35,7 +35,7 @@ def first_hits(view: View, solids: Sequence[Solid], shaded: bool = True) -> Hits
     return hits
 
 
-def _cast(view: View, solid: Solid, across: Floats, up: Floats, hits: Hits, shaded: bool) -> None:
+def _cast(view: View, solid: DrawnSolid, across: Floats, up: Floats, hits: FirstHits, shaded: bool) -> None:
     centre, R_VS = view.seen(solid.p), view.R @ solid.R
     left, right, top, bottom = _window(solid, centre, R_VS, across, up)
     if left >= right or top >= bottom:
@@ -71,7 +71,7 @@ def _ball(radius: float, x: Floats, y: Floats) -> _Met:
     return np.where(over < 0, np.inf, -high), normal
 
 
-def _entered(solid: Solid, R_VS: Floats, x: Floats, y: Floats) -> _Met | None:
+def _entered(solid: DrawnSolid, R_VS: Floats, x: Floats, y: Floats) -> _Met | None:
     """Any other convex solid."""
     size = (len(y), len(x))
     o = np.empty((*size, 3))
@@ -83,7 +83,7 @@ def _entered(solid: Solid, R_VS: Floats, x: Floats, y: Floats) -> _Met | None:
     return t.reshape(size), lambda at: normal[at.ravel()] @ R_VS.T
 
 
-def _window(solid: Solid, centre: Floats, R_VS: Floats, across: Floats, up: Floats) -> tuple[int, int, int, int]:
+def _window(solid: DrawnSolid, centre: Floats, R_VS: Floats, across: Floats, up: Floats) -> tuple[int, int, int, int]:
     """The columns and rows [left, right), [top, bottom) in which a solid can be met."""
     shape = solid.shape
     if shape["type"] == "box":

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from plumbline.reports.drawn.solids import Solid
+from plumbline.reports.drawn.solids import DrawnSolid
 from plumbline.reports.drawn.view import View
 from plumbline.reports.recordings.rotation import Floats
 
@@ -10,7 +10,7 @@ SMALL = 6
 """Pixels: triangles within a square of this side are filled together."""
 
 
-def splatted(view: View, solid: Solid, height: Floats, normal: Floats, paint: Floats) -> None:
+def splatted(view: View, solid: DrawnSolid, height: Floats, normal: Floats, paint: Floats) -> None:
     """Fill depth (h, w) m, normals (h, w, 3) and paint (h, w, 3) where the mesh lies nearer than what is there."""
     vertices = view.seen(np.asarray(solid.shape["vertices"], dtype=np.float64) @ solid.R.T + solid.p)
     corners = vertices[np.asarray(solid.shape["faces"], dtype=np.int64)]

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plumbline.reports.drawn.backdrop import GRAIN, SUN, Backdrop
-from plumbline.reports.drawn.first_hits import Hits, first_hits
-from plumbline.reports.drawn.solids import Solid
+from plumbline.reports.drawn.first_hits import FirstHits, first_hits
+from plumbline.reports.drawn.solids import DrawnSolid
 from plumbline.reports.drawn.view import View
 from plumbline.reports.recordings.pixels import srgb
 from plumbline.reports.recordings.rotation import Floats
@@ -20,7 +20,7 @@ SHADOW_ALPHA = 0.42
 """How much of the page a shadow on the ground hides."""
 
 
-def picture(backdrop: Backdrop, solids: Sequence[Solid]) -> NDArray[np.uint8]:
+def picture(backdrop: Backdrop, solids: Sequence[DrawnSolid]) -> NDArray[np.uint8]:
     """Pixels (h, w, 4) of colour and opacity, as a screen shows them."""
     fine, sun = backdrop.fine, backdrop.sun
     hits, lit_from = first_hits(fine, solids), first_hits(sun, solids, shaded=False).height
@@ -60,7 +60,7 @@ def _sunny(view: View, height: Floats, points: Floats) -> Floats:
     return reached / 9.0
 
 
-def _lit(hits: Hits, met: Floats, normal: Floats, towards: Floats, sunny: Floats) -> Floats:
+def _lit(hits: FirstHits, met: Floats, normal: Floats, towards: Floats, sunny: Floats) -> Floats:
     """Linear light (n, 3) of what is met: Lambert under a sun and a sky, with a little gloss (Blinn, 1977)."""
     direct = np.clip(normal @ SUN, 0.0, 1.0) * sunny
     around = SKY * (0.5 + 0.5 * normal[:, 2]) + BOUNCE * (0.5 - 0.5 * normal[:, 2])

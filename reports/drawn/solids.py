@@ -26,7 +26,7 @@ PALE = 0.55
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Solid:
+class DrawnSolid:
     """A shape in W. Terms: shape: as in a scene file. p (3,) m, R (3, 3): where it is. paint (3,): linear light."""
 
     shape: Mapping[str, Any]
@@ -37,7 +37,7 @@ class Solid:
 
 def solids_of(
     bodies: Sequence[Mapping[str, Any]], p_WB: Floats, q_WB: Floats, *, fade: float = 0.0, larger: float = 1.0
-) -> list[Solid]:
+) -> list[DrawnSolid]:
     """Shapes of what moves, at poses (n, 3) m and (n, 4). Args: fade: 0 as they are, 1 palest; larger: how many times."""
     moving = [k for k, body in enumerate(bodies) if body["motion"] != "static"]
     paints = [_paint(bodies[k], k) for k in moving]
@@ -45,7 +45,7 @@ def solids_of(
     return _placed([bodies[k] for k in moving], p_WB[moving], q_WB[moving], paints, larger)
 
 
-def fixed_solids(bodies: Sequence[Mapping[str, Any]]) -> list[Solid]:
+def fixed_solids(bodies: Sequence[Mapping[str, Any]]) -> list[DrawnSolid]:
     """Bounded shapes of what never moves."""
     places = [k for k, body in enumerate(bodies) if body["motion"] == "static"]
     fixed, paints = [bodies[k] for k in places], [_paint(bodies[k], k) for k in places]
@@ -56,7 +56,7 @@ def fixed_solids(bodies: Sequence[Mapping[str, Any]]) -> list[Solid]:
 
 def _placed(
     bodies: Sequence[Mapping[str, Any]], p_WB: Floats, q_WB: Floats, paints: Sequence[Floats], larger: float
-) -> list[Solid]:
+) -> list[DrawnSolid]:
     """The shapes of bodies (n) with an end, at poses (n, 3) m and (n, 4), all turned at once."""
     found = [(k, s) for k, body in enumerate(bodies) for s in placed_shapes(body) if s["shape"]["type"] != "plane"]
     if not found:
@@ -67,7 +67,9 @@ def _placed(
     q_WS = product(q_WB[of], q_BS)
     p_WS = p_WB[of] + rotate(q_WB[of], larger * p_BS)
     axes = rotate(np.broadcast_to(q_WS[:, None], (len(found), 3, 4)), np.eye(3))
-    return [Solid(_scaled(shape["shape"], larger), p_WS[k], axes[k].T, paints[body]) for k, (body, shape) in enumerate(found)]
+    return [
+        DrawnSolid(_scaled(shape["shape"], larger), p_WS[k], axes[k].T, paints[body]) for k, (body, shape) in enumerate(found)
+    ]
 
 
 def _paint(body: Mapping[str, Any], place: int) -> Floats:

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from plumbline.reports.drawn.solids import Solid, fixed_solids
+from plumbline.reports.drawn.solids import DrawnSolid, fixed_solids
 from plumbline.reports.drawn.view import View
 from plumbline.reports.recordings.rotation import Floats, product, rotate
 
@@ -16,17 +16,17 @@ LARGE = 0.7
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Ground:
+class GroundPlane:
     """An endless plane through p (3,) m with its normal (3,) in W."""
 
     p: Floats
     normal: Floats
 
 
-def stage_set(bodies: Sequence[Mapping[str, Any]], view: View) -> tuple[list[Solid], Ground | None]:
+def stage_set(bodies: Sequence[Mapping[str, Any]], view: View) -> tuple[list[DrawnSolid], GroundPlane | None]:
     """The fixed solids that are drawn, and the ground: the first plane, or the top of a large box that all stands on."""
     ground = _plane(bodies)
-    shown: list[Solid] = []
+    shown: list[DrawnSolid] = []
     diagonal = view.pixel * float(np.hypot(view.width, view.height))
     for solid in fixed_solids(bodies):
         if _reach(solid) < LARGE * diagonal:
@@ -35,7 +35,7 @@ def stage_set(bodies: Sequence[Mapping[str, Any]], view: View) -> tuple[list[Sol
         top = _top(solid)
         below = top is not None and top[2] <= view.middle[2] + 0.25 * diagonal and _holds(solid, view.middle)
         if below and top is not None:
-            ground = ground or Ground(
+            ground = ground or GroundPlane(
                 top, solid.R[:, int(np.abs(solid.R[2]).argmax())] * np.sign(solid.R[2][np.abs(solid.R[2]).argmax()])
             )
         elif float(view.R[2] @ (solid.p - view.middle)) < -0.2 * diagonal and not _holds(solid, view.middle):
@@ -43,7 +43,7 @@ def stage_set(bodies: Sequence[Mapping[str, Any]], view: View) -> tuple[list[Sol
     return shown, ground
 
 
-def _reach(solid: Solid) -> float:
+def _reach(solid: DrawnSolid) -> float:
     shape = solid.shape
     if "vertices" in shape:
         return float(np.linalg.norm(np.asarray(shape["vertices"]), axis=1).max())
@@ -55,7 +55,7 @@ def _reach(solid: Solid) -> float:
     return float(max(sizes))
 
 
-def _top(solid: Solid) -> Floats | None:
+def _top(solid: DrawnSolid) -> Floats | None:
     """The middle of the face of a box that looks up; None for other shapes."""
     if solid.shape["type"] != "box":
         return None
@@ -64,7 +64,7 @@ def _top(solid: Solid) -> Floats | None:
     return middle
 
 
-def _holds(solid: Solid, point: Floats) -> bool:
+def _holds(solid: DrawnSolid, point: Floats) -> bool:
     """Does a point lie within the sides of a box, seen from above?"""
     if solid.shape["type"] != "box":
         return False
@@ -73,7 +73,7 @@ def _holds(solid: Solid, point: Floats) -> bool:
     return bool(np.delete(inside, axis).all())
 
 
-def _plane(bodies: Sequence[Mapping[str, Any]]) -> Ground | None:
+def _plane(bodies: Sequence[Mapping[str, Any]]) -> GroundPlane | None:
     for body in bodies:
         for placed in body.get("collision", []):
             if placed["shape"]["type"] == "plane" and body["motion"] == "static":
@@ -81,5 +81,5 @@ def _plane(bodies: Sequence[Mapping[str, Any]]) -> Ground | None:
                 turned = product(q, np.asarray(placed.get("q_BS", UNTURNED), dtype=np.float64))
                 normal = rotate(turned, np.asarray(placed["shape"].get("normal", (0.0, 0.0, 1.0)), dtype=np.float64))
                 offset = rotate(q, np.asarray(placed.get("p_BS", (0.0, 0.0, 0.0)), dtype=np.float64))
-                return Ground(np.asarray(body.get("p_WB", (0.0, 0.0, 0.0)), dtype=np.float64) + offset, normal)
+                return GroundPlane(np.asarray(body.get("p_WB", (0.0, 0.0, 0.0)), dtype=np.float64) + offset, normal)
     return None

@@ -13,7 +13,7 @@ from plumbline.reports.html.drawing import Drawing
 from plumbline.reports.html.policy import guarded
 from plumbline.reports.html.style import STYLE
 from plumbline.reports.html.template import environment, fill
-from plumbline.reports.html.written import SCRIPT, NotMade, WrittenReport, picture_file, script_file
+from plumbline.reports.html.written import SCRIPT, NotWritten, WrittenReport, picture_file, script_file
 from plumbline.reports.page import NotLoaded, Page, Rendered, asked, pages
 
 ASSETS = ("report.css", "frame.js", "report.js", "select.js", "vega-licences.txt")
@@ -34,7 +34,7 @@ def rendered(store: Store) -> Mapping[str, str | bytes]:
     return _rendered(store, {})
 
 
-def _rendered(store: Store, failures: dict[str, NotMade]) -> Mapping[str, str | bytes]:
+def _rendered(store: Store, failures: dict[str, NotWritten]) -> Mapping[str, str | bytes]:
     """The files of all pages by name; what fails is noted in `failures`, all of which the first page names.
 
     Pictures are drawn beside the pages that follow. Those that no menu lists are the pages of cases: they have nearly all
@@ -73,7 +73,7 @@ _Waiting = str | bytes | Future[str | bytes]
 
 
 def _made(
-    page: Page, store: Store, others: Collection[str], beside: Drawing, failures: dict[str, NotMade]
+    page: Page, store: Store, others: Collection[str], beside: Drawing, failures: dict[str, NotWritten]
 ) -> Mapping[str, _Waiting]:
     """The files of a page, pictures on their way."""
     made: dict[str, _Waiting] = {}
@@ -85,10 +85,10 @@ def _made(
     return made
 
 
-def _instead(page: Page, store: Store, error: Exception, failures: dict[str, NotMade]) -> Mapping[str, str]:
+def _instead(page: Page, store: Store, error: Exception, failures: dict[str, NotWritten]) -> Mapping[str, str]:
     """In the place of a page that could not be made: why, which is noted in `failures` by the name of the page."""
     reason = str(error) if isinstance(error, NotLoaded) else f"{type(error).__name__}: {error}"
-    failures[page.name] = NotMade("page", page.title, reason)
+    failures[page.name] = NotWritten("page", page.title, reason)
     return {f"{page.name}.html": fill("failed.html", store, title=page.title, reason=reason, here=page.name)}
 
 
@@ -116,7 +116,7 @@ def write_report(folder: Path) -> WrittenReport:
 
     All is rendered before the old report is touched, and the new one takes its place by renaming: a reader never meets half.
     """
-    failures: dict[str, NotMade] = {}
+    failures: dict[str, NotWritten] = {}
     texts = {SCRIPT: script_file(failures), **_rendered(Store(folder), failures)}
     report, draft, old = (Path(folder) / name for name in ("report", f".report.{os.getpid()}", f".report.{os.getpid()}.old"))
     texts |= {f"style/{name}": (STYLE / name).read_text(encoding="utf-8") for name in ASSETS}

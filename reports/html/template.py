@@ -8,10 +8,10 @@ from urllib.parse import quote
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup, escape
 
-from plumbline.harness.case.own_titles import called
-from plumbline.harness.findings import integrators, parameter_words
+from plumbline.harness.case.undropped import called
+from plumbline.harness.findings import parameter_words
 from plumbline.harness.findings.emulations import share_in_words
-from plumbline.harness.findings.steps_taken import substeps_of
+from plumbline.harness.findings.parameter_words import substeps_of
 from plumbline.harness.metric.titles import metric_title
 from plumbline.harness.store.store import Store
 from plumbline.reports.charts.palette import looks
@@ -93,7 +93,7 @@ def environment() -> Environment:
         "case_file": case_file,
         "engine_file": engine_file,
         "cite": cite,
-        "integrator": integrators.called,
+        "integrator": parameter_words.integrator_called,
         "metric": metric_title,
         "outcome": outcome,
         "plural": plural,

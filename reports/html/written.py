@@ -23,7 +23,7 @@ MISSING = (
 """In the place of a chart, with the reason."""
 
 
-class NotMade(NamedTuple):
+class NotWritten(NamedTuple):
     """What could not be made, and why, in a line."""
 
     kind: Literal["page", "picture", "script"]
@@ -40,7 +40,7 @@ class WrittenReport:
     """Terms: index: its first page. failed: each page and picture that could not be made."""
 
     index: Path
-    failed: tuple[NotMade, ...]
+    failed: tuple[NotWritten, ...]
 
     def page_of(self, case: str) -> Path:
         """The page of a case; the first one where that could not be made."""
@@ -52,7 +52,7 @@ class WrittenReport:
         return [each.sentence() for each in self.failed]
 
 
-def picture_file(name: str, drawn: Future[str | bytes], failures: MutableMapping[str, NotMade]) -> str | bytes | None:
+def picture_file(name: str, drawn: Future[str | bytes], failures: MutableMapping[str, NotWritten]) -> str | bytes | None:
     """The file of a picture, waited for; one that says why there is none, which is noted in `failures`.
 
     None where there is none and words stand beside it.
@@ -60,14 +60,14 @@ def picture_file(name: str, drawn: Future[str | bytes], failures: MutableMapping
     try:
         return drawn.result()
     except NotDrawn as error:
-        failures[name] = NotMade("picture", name, str(error))
+        failures[name] = NotWritten("picture", name, str(error))
         return MISSING.format(escape(one_line(str(error), 90))) if name.endswith(".svg") else None
 
 
-def script_file(failures: MutableMapping[str, NotMade]) -> str:
+def script_file(failures: MutableMapping[str, NotWritten]) -> str:
     """The script of charts; a remark in its place where it cannot be made, which is noted in `failures`."""
     try:
         return vega_bundle()
     except NotDrawn as error:
-        failures[SCRIPT] = NotMade("script", SCRIPT, str(error))
+        failures[SCRIPT] = NotWritten("script", SCRIPT, str(error))
         return "/* This script could not be made: charts are the static pictures. */\n"

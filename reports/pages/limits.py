@@ -3,8 +3,8 @@
 from collections.abc import Mapping
 
 from plumbline.harness.findings import tables
-from plumbline.harness.findings.leads import axis_leads, reaches
 from plumbline.harness.findings.limits_found import searches
+from plumbline.harness.findings.standing import axis_leads, reaches
 from plumbline.harness.findings.tables.remedies import remedied
 from plumbline.harness.store.store import Store
 from plumbline.reports.charts.limit_maps import maps

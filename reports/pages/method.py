@@ -1,15 +1,28 @@
 """The page on method: how answers are judged and timed, what the outcomes mean, and how to run anything again."""
 
 from collections.abc import Mapping
+from operator import itemgetter
 
 from pandas import Series
 
+from plumbline.harness.store.rows import grouped
 from plumbline.harness.store.store import Store
 from plumbline.reports.html.template import fill
 from plumbline.reports.page import Page
+from plumbline.reports.words.catalogue import cases
 from plumbline.reports.words.citation import citation
 from plumbline.reports.words.concepts import indexed
 from plumbline.reports.words.emulated_features import own_everywhere, told_apart
+
+TRUTHS = {
+    "closed form": "a formula of the motion, or of what it comes to",
+    "converged reference": "equations of motion of the scene alone, integrated by SciPy at two tolerances that tell the error",
+    "conservation": "what no force of the scene changes: energy, momentum, a passage that there must not be",
+    "rest": "statics: what stands in equilibrium stays",
+    "statistics": "the law that readings or ensembles are drawn by",
+    "agreed limit": "no truth: what each engine comes to at ever smaller steps, where engines agree on it",
+}
+"""By kind, what judges; the reference engine is none of them."""
 
 
 def render(store: Store) -> Mapping[str, str]:
@@ -22,6 +35,7 @@ def render(store: Store) -> Mapping[str, str]:
         "blocks": int(samples.groupby("trial")["block"].nunique().max()) if len(samples) else 0,
         "canary": spread(samples["canary"]) if len(samples) else None,
     }
+    by_truth = grouped(cases(store).values(), itemgetter("truth"))
     return {
         "method.html": fill(
             "method.html",
@@ -31,6 +45,7 @@ def render(store: Store) -> Mapping[str, str]:
             timing=timing,
             laws=told_apart(store),
             own=own_everywhere(store),
+            truths=[(kind, TRUTHS.get(kind, ""), rows) for kind, rows in by_truth.items()],
             folder=str(store.folder),
             citation=citation(store),
             concepts=indexed(store),

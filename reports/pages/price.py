@@ -5,9 +5,9 @@ from collections import Counter
 from collections.abc import Mapping
 from dataclasses import asdict
 
-from plumbline.harness.findings.leads import pair_leads
+from plumbline.harness.findings.cost_point import ALIKE
 from plumbline.harness.findings.prices import priced
-from plumbline.harness.findings.search_effort import ALIKE
+from plumbline.harness.findings.standing import pair_leads
 from plumbline.harness.findings.tables import price as prices_table
 from plumbline.harness.findings.tables import profile as profile_table
 from plumbline.harness.findings.tables import steps as steps_table

@@ -10,9 +10,8 @@ from plumbline.harness.findings.agreement.costs import best_price, best_setting,
 from plumbline.harness.findings.agreement.happened import happened_words, happenings
 from plumbline.harness.findings.agreement.perturbed_starts import LAWS, balances, foreseeable_until, horizon_of, outlooks
 from plumbline.harness.findings.agreement.setting_causes import cause_words, settings_turned
-from plumbline.harness.findings.agreement.unresolved import unresolved_words
 from plumbline.harness.findings.agreement.values import Agreement
-from plumbline.harness.findings.agreement.words import cut_words, headline, listed, metres, side_words
+from plumbline.harness.findings.agreement.words import cut_words, headline, listed, metres, side_words, unresolved_words
 from plumbline.harness.findings.tables import agreement as agreement_table
 from plumbline.harness.findings.tables.fidelity import of_element
 from plumbline.harness.store.imported_scenes import kept_by
@@ -25,8 +24,8 @@ from plumbline.reports.charts.work_precision import miniatures, work_precision
 from plumbline.reports.html.template import fill
 from plumbline.reports.page import Page, Rendered
 from plumbline.reports.pictures import answer_pictures
-from plumbline.reports.pictures.answer_pictures import Drawn
-from plumbline.reports.pictures.case_pictures import Sight, sight
+from plumbline.reports.pictures.answer_pictures import AnswerPicture
+from plumbline.reports.pictures.case_pictures import CaseSight, sight
 from plumbline.reports.recordings.layout import file_name
 from plumbline.reports.tables.csv import sheet
 from plumbline.reports.tables.own_scenes import by_case, shown, summary
@@ -134,10 +133,10 @@ class SceneAnswer:
     title: str
     sentences: tuple[str, ...]
     leads: str
-    picture: Drawn | None
+    picture: AnswerPicture | None
 
 
-def answers_of(store: Store, agreement: Agreement, seen: Sight) -> list[SceneAnswer]:
+def answers_of(store: Store, agreement: Agreement, seen: CaseSight) -> list[SceneAnswer]:
     """What the first screen says, in the order in which it is needed to act."""
     names = titles(store)
     runs = dict.fromkeys(side.engine for side in agreement.sides if side.word not in ("cannot", "diverged"))

@@ -19,7 +19,7 @@ from plumbline.harness.store.store import Store
 from plumbline.reports.charts.marks import short
 from plumbline.reports.charts.palette import EngineLook, looks
 from plumbline.reports.charts.work_precision import FrontMiniature
-from plumbline.reports.pictures.motion_chart import Panel, Series, over_time
+from plumbline.reports.pictures.motion_chart import ChartSeries, Panel, over_time
 from plumbline.reports.words.catalogue import engines, labels
 from plumbline.reports.words.status import outcome
 from plumbline.reports.words.text import TIMES, amount, power, step
@@ -45,7 +45,7 @@ class Spot:
 
 
 @dataclass(frozen=True, slots=True)
-class Line:
+class Bar:
     """A row. Terms: ours: of the reference engine. y: of its middle. bar: how far it goes, None without. words: at its end."""
 
     label: str
@@ -60,11 +60,11 @@ class Line:
 
 
 @dataclass(frozen=True, slots=True)
-class Rows:
+class BarRows:
     """Rows with marks or bars on one axis. Terms: ticks: along it, (place, words). limit: the place of a bound, None without.
     caption, alt: in words."""
 
-    lines: tuple[Line, ...]
+    lines: tuple[Bar, ...]
     height: int
     ticks: tuple[tuple[float, str], ...]
     limit: float | None
@@ -73,10 +73,10 @@ class Rows:
 
 
 @dataclass(frozen=True, slots=True)
-class Drawn:
+class AnswerPicture:
     """The picture of an answer: exactly one of them is there. Terms: caption: of what is no `Rows`."""
 
-    rows: Rows | None = None
+    rows: BarRows | None = None
     panel: Panel | None = None
     fronts: FrontMiniature | None = None
     caption: str = ""
@@ -88,7 +88,7 @@ class _Sheet:
     def __init__(self, store: Store) -> None:
         self._named, self._labels = engines(store), labels(store)
         self._looks = looks(self._named)
-        self.lines: list[Line] = []
+        self.lines: list[Bar] = []
 
     def add(
         self, engine: str, track: str, *, what: str = "", spots: Sequence[Spot] = (), bar: float | None = None,
@@ -99,15 +99,17 @@ class _Sheet:
             label = f"{short(self._labels[engine])} {what or track}"
             ours = bool(self._named[engine]["ours"])
             y = TOP + ROW * (len(self.lines) + 0.5)
-            line = Line(label, self._looks[engine], track == "default", ours, strong, y, tuple(spots), bar, words)
+            line = Bar(label, self._looks[engine], track == "default", ours, strong, y, tuple(spots), bar, words)
             self.lines.append(line)
 
-    def rows(self, caption: str, alt: str, ticks: Sequence[tuple[float, str]] = (), limit: float | None = None) -> Drawn | None:
+    def rows(
+        self, caption: str, alt: str, ticks: Sequence[tuple[float, str]] = (), limit: float | None = None
+    ) -> AnswerPicture | None:
         """The picture, None without a row."""
         if not self.lines:
             return None
         height = TOP + ROW * len(self.lines) + FOOT
-        return Drawn(rows=Rows(tuple(self.lines), height, tuple(ticks), limit, caption, alt))
+        return AnswerPicture(rows=BarRows(tuple(self.lines), height, tuple(ticks), limit, caption, alt))
 
 
 def _along(value: float, low: float, high: float) -> float:
@@ -124,7 +126,7 @@ def _axis(values: Sequence[float]) -> tuple[float, float, list[tuple[float, str]
     return low, high, [(_along(10.0**k, low, high), power(k)) for k in range(low, high + 1, every)]
 
 
-def runs_by_step(store: Store, agreement: Agreement) -> Drawn | None:
+def runs_by_step(store: Store, agreement: Agreement) -> AnswerPicture | None:
     """Who has an answer at which time step, and what became of runs without one."""
     steps = sorted({rung.dt for side in agreement.sides for rung in side.limit.rungs}, reverse=True)
     if not steps:
@@ -143,23 +145,23 @@ def runs_by_step(store: Store, agreement: Agreement) -> Drawn | None:
     )
 
 
-def distances(store: Store, agreement: Agreement, motion: Panel | None) -> Drawn | None:
+def distances(store: Store, agreement: Agreement, motion: Panel | None) -> AnswerPicture | None:
     """How far the limits of engines lie from the agreed one over time; where all are one, how they move."""
     base, series = ways(agreement)
     chosen = looks(engines(store))
     drawn = [
-        Series(time, distance, chosen[engine].colour, track == "default")
+        ChartSeries(time, distance, chosen[engine].colour, track == "default")
         for (engine, track), (time, distance) in series.items()
     ]
     to = "the agreed limit" if not base else f"that of {base}"
     alt = f"Distance of each engine's limit from {to} over time"
     panel = over_time(drawn, agreement.bar, alt, width=WIDE, height=TOP + 8 * ROW + FOOT)
     if panel is not None:
-        return Drawn(panel=panel, caption=f"Distance from {to}, of the size; green: what it is known to.")
-    return None if motion is None else Drawn(panel=motion, caption=f"{motion.title}: all runs over one another.")
+        return AnswerPicture(panel=panel, caption=f"Distance from {to}, of the size; green: what it is known to.")
+    return None if motion is None else AnswerPicture(panel=motion, caption=f"{motion.title}: all runs over one another.")
 
 
-def causes(store: Store, agreement: Agreement, turned: Sequence[Turned]) -> Drawn | None:
+def causes(store: Store, agreement: Agreement, turned: Sequence[Turned]) -> AnswerPicture | None:
     """What turning a setting alone closes of a distance; where none was turned, how far each engine is off."""
     sheet = _Sheet(store)
     for engine, track in dict.fromkeys((each.engine, each.track) for each in turned):
@@ -190,14 +192,14 @@ def _off(side: Side) -> float | None:
     return side.distance if side.distance is not None else None if moved is None else float(moved[-1])
 
 
-def fronts(scenes: Sequence[FrontMiniature], cost: Drawn | None) -> Drawn | None:
+def fronts(scenes: Sequence[FrontMiniature], cost: AnswerPicture | None) -> AnswerPicture | None:
     """Speed over error; where nothing was clocked, the least errors."""
     if not any(front.lines for front in scenes):
         return cost
-    return Drawn(fronts=next(front for front in scenes if front.lines), caption="Up is faster, left is more accurate.")
+    return AnswerPicture(fronts=next(front for front in scenes if front.lines), caption="Up is faster, left is more accurate.")
 
 
-def speeds(store: Store, agreement: Agreement, best: Price | None) -> Drawn | None:
+def speeds(store: Store, agreement: Agreement, best: Price | None) -> AnswerPicture | None:
     """How fast each engine is at the error asked for; where none comes down to it, how near each comes."""
     priced = sorted((price for price in at_target(store, agreement) if price.cost), key=lambda price: price.cost or 0.0)
     if not priced:
@@ -214,7 +216,7 @@ def speeds(store: Store, agreement: Agreement, best: Price | None) -> Drawn | No
     return sheet.rows(caption, "Speed of each engine at that error", ticks)
 
 
-def least_errors(store: Store, agreement: Agreement) -> Drawn | None:
+def least_errors(store: Store, agreement: Agreement) -> AnswerPicture | None:
     """The smallest error of each engine and track, against the one asked for."""
     errors = errors_of(store)
     least: Mapping[tuple[str, str], float] = {

@@ -9,7 +9,7 @@ from markupsafe import Markup
 from numpy.typing import NDArray
 
 from plumbline.harness.findings.sensor_readings.findings import SensorFinding
-from plumbline.harness.findings.sensor_readings.picture import CameraPicture
+from plumbline.harness.findings.sensor_readings.ideal import CameraPicture
 from plumbline.harness.store.store import Store
 from plumbline.reports.charts.ideal_signals import reading
 from plumbline.reports.recordings.pixels import data_uri, shaded, srgb

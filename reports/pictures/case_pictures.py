@@ -10,7 +10,7 @@ from plumbline.harness.intake.safe_text import LONGEST, one_line
 from plumbline.harness.store.journal import StoreError
 from plumbline.harness.store.store import Store
 from plumbline.reports.charts.palette import looks
-from plumbline.reports.pictures.motion import Line, Motion, motion_of
+from plumbline.reports.pictures.motion import MotionPicture, RunLine, motion_of
 from plumbline.reports.pictures.motion_chart import Panel, apart, overview
 from plumbline.reports.pictures.stills import Film, Still, film, thumbnail
 from plumbline.reports.recordings.layout import file_name
@@ -38,14 +38,14 @@ class Watch:
 
 
 @dataclass(frozen=True, slots=True)
-class Sight:
+class CaseSight:
     """What a page shows of a case. Terms: parting: the moment at which engines part, None where they do not. missing: why
     something is not shown, in words, one each."""
 
     thumb: Still | None
     film: Film | None
     parting: Film | None
-    motion: Motion | None
+    motion: MotionPicture | None
     overview: Panel | None
     apart: tuple[Panel, ...]
     watches: tuple[Watch, ...]
@@ -64,13 +64,13 @@ def thumbnails(store: Store) -> dict[str, Still]:
     return {name: thumb for name, seen in sights(store).items() if (thumb := seen.thumb) is not None}
 
 
-def sights(store: Store) -> dict[str, Sight]:
+def sights(store: Store) -> dict[str, CaseSight]:
     """By the names of all cases."""
     return {name: sight(store, name) for name in cases(store)}
 
 
 @lru_cache(maxsize=512)
-def sight(store: Store, name: str) -> Sight:
+def sight(store: Store, name: str) -> CaseSight:
     """What there is to see of a case; whatever fails is a line that says so, since a page has more to tell."""
     serve = f"plumbline serve {shlex.quote(str(store.folder))}"
     try:
@@ -88,7 +88,7 @@ def sight(store: Store, name: str) -> Sight:
             for line in (motion.lines if motion else ())
             for moment, why in [_worth_watching(line, partings)]
         )  # fmt: skip
-        return Sight(
+        return CaseSight(
             thumb=thumbnail(stage),
             film=film(stage),
             parting=film(stage, _about(min(partings), stage.length)) if partings else None,
@@ -101,7 +101,9 @@ def sight(store: Store, name: str) -> Sight:
         )
     except (StoreError, ValueError, KeyError, IndexError, TypeError) as error:
         print(one_line(f"pictures of case '{name}': {type(error).__name__}: {error}", LONGEST), file=sys.stderr)
-        return Sight(None, None, None, None, None, (), (), serve, (f"Nothing could be drawn: {type(error).__name__}: {error}",))
+        return CaseSight(
+            None, None, None, None, None, (), (), serve, (f"Nothing could be drawn: {type(error).__name__}: {error}",)
+        )
 
 
 def _about(moment: float, duration: float) -> tuple[float, float]:
@@ -109,7 +111,7 @@ def _about(moment: float, duration: float) -> tuple[float, float]:
     return max(0.0, moment - 0.1 * duration), min(duration, moment + 0.3 * duration)
 
 
-def _worth_watching(line: Line, partings: Sequence[float]) -> tuple[float, str]:
+def _worth_watching(line: RunLine, partings: Sequence[float]) -> tuple[float, str]:
     """When [s], and why in words: where a run leaves the truth, or without one where camps of engines part."""
     if len(line.off) or line.broken or not partings:
         return line.moment, line.why

@@ -10,7 +10,7 @@ import numpy as np
 from plumbline.harness.store.store import Store
 from plumbline.reports.recordings.metrics import errors, motion, truths
 from plumbline.reports.recordings.rotation import Floats, angle
-from plumbline.reports.recordings.runs import Run, Stage
+from plumbline.reports.recordings.runs import RecordedRun, Stage
 from plumbline.reports.recordings.truth import told_places
 
 AXES = "xyz"
@@ -37,7 +37,7 @@ STILL = 1e-14
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Line:
+class RunLine:
     """One run. Terms: time (t,) s and values (t,). off_time, off: its distance from the truth, or none. bound: of that.
     moment: when it first errs beyond the bound, or else most [s]; why: which of the two, in words; worst: the largest error.
     broken: does it end before its time, where it ceases to be finite?
@@ -58,7 +58,7 @@ class Line:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Motion:
+class MotionPicture:
     """What a page draws of a case.
 
     Terms: title, unit: of the quantity. off_title, off_unit: of the distance from the truth, '' without one. truth: time (t,)
@@ -70,12 +70,12 @@ class Motion:
     unit: str
     off_title: str
     off_unit: str
-    lines: tuple[Line, ...]
+    lines: tuple[RunLine, ...]
     truth: tuple[Floats, Floats]
     band: float | None
 
 
-def motion_of(store: Store, stage: Stage) -> Motion | None:
+def motion_of(store: Store, stage: Stage) -> MotionPicture | None:
     """The series of a case as its page shows them; None where no run left a trajectory or nothing moves."""
     if not stage.runs or not len(stage.moving):
         return None
@@ -99,7 +99,7 @@ def motion_of(store: Store, stage: Stage) -> Motion | None:
     band = bounds.get((stage.runs[0].trial["trial"], next((n for n, u in BOUNDED.items() if u == unit), "")))
     off = {"m": "Distance from the truth, farthest body", "rad": "Angle from the truth, largest"}[off_unit]
     has_off = any(len(line.off) for line in lines)
-    return Motion(
+    return MotionPicture(
         title,
         unit,
         off if has_off else "",
@@ -115,7 +115,7 @@ def _tells(stage: Stage, unit: str) -> bool:
     return unit in ("m", "rad") or all(name in stage.truth for name in ("v_WB", "w_WB"))
 
 
-def _line(run: Run, values: Floats, apart: tuple[Floats, Floats], bound: float | None) -> Line:
+def _line(run: RecordedRun, values: Floats, apart: tuple[Floats, Floats], bound: float | None) -> RunLine:
     time, off = apart
     moment, why, worst = float(run.time[-1]), "at its end", None
     if run.note:
@@ -126,7 +126,7 @@ def _line(run: Run, values: Floats, apart: tuple[Floats, Floats], bound: float |
         moment = float(time[place])
     if len(off):
         worst = float(off.max())
-    return Line(
+    return RunLine(
         run.engine, run.track, str(run.trial["trial"]), run.time, values, time, off, bound, moment, why, worst, bool(run.note)
     )
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from plumbline.reports.charts.palette import EngineLook
-from plumbline.reports.pictures.motion import Line, Motion
+from plumbline.reports.pictures.motion import MotionPicture, RunLine
 from plumbline.reports.recordings.rotation import Floats
 from plumbline.reports.words.text import amount, power
 
@@ -48,7 +48,7 @@ class Panel:
     alt: str
 
 
-def overview(motion: Motion, looks: dict[str, EngineLook]) -> Panel:
+def overview(motion: MotionPicture, looks: dict[str, EngineLook]) -> Panel:
     """All runs over one another, behind them the truth with the band that its check allows."""
     series = [(line.time, line.values) for line in motion.lines] + ([motion.truth] if len(motion.truth[0]) else [])
     told = motion.truth[1] if len(motion.truth[0]) else None
@@ -64,7 +64,7 @@ def overview(motion: Motion, looks: dict[str, EngineLook]) -> Panel:
 
 
 @dataclass(frozen=True, slots=True)
-class Series:
+class ChartSeries:
     """Values (t,) over times (t,) s, in the colour of an engine. Terms: dashed: the vendor's defaults."""
 
     time: Floats
@@ -73,7 +73,7 @@ class Series:
     dashed: bool
 
 
-def over_time(series: Sequence[Series], limit: float | None, alt: str, *, width: int, height: int) -> Panel | None:
+def over_time(series: Sequence[ChartSeries], limit: float | None, alt: str, *, width: int, height: int) -> Panel | None:
     """Series on a logarithmic axis, with a bound; None where nothing is above zero. Args: width, height: of the panel."""
     bound = limit if limit is not None and limit > 0 else None
     if not any((line.values > 0).any() for line in series):
@@ -84,7 +84,7 @@ def over_time(series: Sequence[Series], limit: float | None, alt: str, *, width:
     return scale.panel(alt, tuple(strokes), "", None if bound is None else scale.y(bound), alt)
 
 
-def apart(motion: Motion, looks: dict[str, EngineLook], titles: dict[str, str]) -> tuple[Panel, ...]:
+def apart(motion: MotionPicture, looks: dict[str, EngineLook], titles: dict[str, str]) -> tuple[Panel, ...]:
     """A panel for each engine, on common axes: its distance from the truth, or the quantity itself where none is told."""
     off = bool(motion.off_title)
     values = [line.off if off else line.values for line in motion.lines]
@@ -156,7 +156,7 @@ class _Scale:
         return Panel(title, self.width, self.height, self.box, across, up, strokes, band, limit, alt)
 
 
-def _stroke(scale: _Scale, line: Line, time: Floats, values: Floats, looks: dict[str, EngineLook]) -> Stroke:
+def _stroke(scale: _Scale, line: RunLine, time: Floats, values: Floats, looks: dict[str, EngineLook]) -> Stroke:
     return Stroke(scale.path(time, values), looks[line.engine].colour, line.track == "default")
 
 

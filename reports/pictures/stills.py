@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from plumbline.reports.drawn.backdrop import Backdrop, backdrop_of
 from plumbline.reports.drawn.cutaway import opened
 from plumbline.reports.drawn.picture import picture
-from plumbline.reports.drawn.solids import Solid, solids_of
+from plumbline.reports.drawn.solids import DrawnSolid, solids_of
 from plumbline.reports.drawn.stage_set import stage_set
 from plumbline.reports.drawn.view import Spheres, View, framed
 from plumbline.reports.recordings.camera import anchors_of, around_held, half_sides, held_by, reach
@@ -72,7 +72,7 @@ class Still:
 
 
 @dataclass(frozen=True, slots=True)
-class Row:
+class StripRow:
     """One strip. Terms: told: does the truth look so too? runs: (engine, track) of those that do."""
 
     told: bool
@@ -85,7 +85,7 @@ class Film:
     """Strips of the same moments [s]. Terms: larger: how many times what moves is drawn larger. left: runs beyond the rows."""
 
     moments: tuple[float, ...]
-    rows: tuple[Row, ...]
+    rows: tuple[StripRow, ...]
     larger: float
     left: int
 
@@ -141,7 +141,7 @@ def film(stage: Stage, between: tuple[float, float] | None = None) -> Film | Non
         names = [*(["the truth"] if is_truth else []), *(f"{engine} {track}" for engine, track in runs)]
         alt = f"{title} at {len(moments)} moments: {', '.join(names)}"
         rows.append(
-            Row(is_truth, tuple(runs), _still(stage, alt, [[p] for p in motion.p], [[q] for q in motion.q], view, larger))
+            StripRow(is_truth, tuple(runs), _still(stage, alt, [[p] for p in motion.p], [[q] for q in motion.q], view, larger))
         )
     return Film(tuple(moments.tolist()), tuple(rows), larger, sum(len(runs) for _, _, runs in left))
 
@@ -261,7 +261,7 @@ def _still(
 
 
 @lru_cache(maxsize=2)
-def _around(fixed: str, view: View) -> tuple[list[Solid], Backdrop]:
+def _around(fixed: str, view: View) -> tuple[list[DrawnSolid], Backdrop]:
     """What pictures of one view share. Args: fixed: bodies that never move, as JSON."""
     solids, ground = stage_set(json.loads(fixed), view)
     return solids, backdrop_of(view, ground)

@@ -8,9 +8,9 @@ from plumbline.reports.recordings.colour import BACKGROUND, FLOOR
 from plumbline.reports.recordings.inertial import CHANNELS
 from plumbline.reports.recordings.layout import LOG, METRICS, SENSORS, SIM_TIME, STAGE, TRUTH, WORLD
 from plumbline.reports.recordings.metrics import TITLES
-from plumbline.reports.recordings.runs import Run, Stage, touching
+from plumbline.reports.recordings.runs import RecordedRun, Stage, touching
 from plumbline.reports.recordings.sampling import playing_time
-from plumbline.reports.recordings.sensors import Sensed, View
+from plumbline.reports.recordings.sensors import CameraView, Sensed
 from plumbline.reports.recordings.shapes import OVERLAID, placed_shapes
 
 if TYPE_CHECKING:
@@ -59,7 +59,7 @@ def time_panel(stage: Stage) -> "rrb.TimePanel":
     return rrb.TimePanel(state="collapsed", timeline=SIM_TIME, playback_speed=speed, play_state="playing", loop_mode="all")
 
 
-def pictures(view: View) -> "rrb.Grid":
+def pictures(view: CameraView) -> "rrb.Grid":
     """What a camera saw, engine beside engine and the truth among them."""
     import rerun.blueprint as rrb
 
@@ -84,7 +84,7 @@ def worlds(stage: Stage, frame: Framing, sensors: Sensed) -> "list[rrb.View | rr
     return [*together, rrb.Grid(*alone, grid_columns=across, name="Side by side")]
 
 
-def space(name: str, runs: Sequence[Run], sensors: Sensed, look: Mapping[str, Any]) -> "rrb.Spatial3DView":
+def space(name: str, runs: Sequence[RecordedRun], sensors: Sensed, look: Mapping[str, Any]) -> "rrb.Spatial3DView":
     """A view of the world with these runs, the truth and what never moves."""
     import rerun.blueprint as rrb
 

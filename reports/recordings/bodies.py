@@ -9,7 +9,7 @@ from plumbline.reports.recordings.colour import GRID, GROUND, Rgba
 from plumbline.reports.recordings.layout import STAGE
 from plumbline.reports.recordings.pivot import Pivot, pivot_of
 from plumbline.reports.recordings.rotation import Floats, compose, rotate
-from plumbline.reports.recordings.shapes import CROWD, Batch, Paint, batches, drawn
+from plumbline.reports.recordings.shapes import CROWD, Paint, ShapeBatch, batches, drawn
 from plumbline.reports.recordings.timeline import checked, columns
 
 if TYPE_CHECKING:
@@ -22,13 +22,13 @@ PATH_POINTS = 600
 """Points of a drawn way; a smooth curve needs no more."""
 
 
-def poses(batch: Batch, p_WB: Floats, q_WB: Floats) -> tuple[Floats, Floats]:
+def poses(batch: ShapeBatch, p_WB: Floats, q_WB: Floats) -> tuple[Floats, Floats]:
     """Poses of the shapes of a batch, (t, n, 3) m and (t, n, 4), from those of all bodies."""
     p, q = p_WB[:, batch.bodies], q_WB[:, batch.bodies]
     return (p, q) if batch.centred else compose(p, q, batch.p_BS, batch.q_BS)
 
 
-def sharing(bodies: Sequence[Mapping[str, Any]], places: Sequence[int]) -> list[Batch]:
+def sharing(bodies: Sequence[Mapping[str, Any]], places: Sequence[int]) -> list[ShapeBatch]:
     """The bodies at these places, those that move: of one kind of shape they share a path, since a row has a number, a time and
     offsets of its own."""
     return batches(bodies, places, most=1)
@@ -37,7 +37,7 @@ def sharing(bodies: Sequence[Mapping[str, Any]], places: Sequence[int]) -> list[
 def log_moving(
     rec: "rr.RecordingStream",
     root: str,
-    bodies: Sequence[Batch],
+    bodies: Sequence[ShapeBatch],
     arrays: Mapping[str, Floats],
     paint: Paint,
 ) -> None:
@@ -78,7 +78,7 @@ def xyzw(q: Floats) -> Floats:
     return q[..., [1, 2, 3, 0]].astype(np.float32)
 
 
-def shared_pivot(batch: Batch, arrays: Mapping[str, Floats]) -> Pivot | None:
+def shared_pivot(batch: ShapeBatch, arrays: Mapping[str, Floats]) -> Pivot | None:
     """The point that all shapes of a batch turn about: that of their body, where they have one body and it has one."""
     body = batch.bodies[0]
     return pivot_of(arrays["p_WB"][:, body], arrays["q_WB"][:, body]) if (batch.bodies == body).all() else None

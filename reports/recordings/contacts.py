@@ -7,7 +7,7 @@ import numpy as np
 
 from plumbline.reports.recordings.colour import rgba
 from plumbline.reports.recordings.layout import WORLD
-from plumbline.reports.recordings.runs import Run
+from plumbline.reports.recordings.runs import RecordedRun
 from plumbline.reports.recordings.timeline import checked, columns
 
 if TYPE_CHECKING:
@@ -17,7 +17,7 @@ LONGEST = 3.0
 """No arrow is drawn longer than this many times the typical largest one; an impact would cover the view."""
 
 
-def arrow_scale(runs: Sequence[Run], length: float) -> float:
+def arrow_scale(runs: Sequence[RecordedRun], length: float) -> float:
     """Metres per newton: the median run's 99th percentile of force is drawn `length` [m] long; 0 where no force is."""
     large = []
     for run in runs:
@@ -28,7 +28,7 @@ def arrow_scale(runs: Sequence[Run], length: float) -> float:
     return length / float(np.median(large)) if large else 0.0
 
 
-def log_contacts(rec: "rr.RecordingStream", run: Run, scale: float, length: float) -> None:
+def log_contacts(rec: "rr.RecordingStream", run: RecordedRun, scale: float, length: float) -> None:
     """Log an arrow for each contact with a force, scale [m/N], with an empty row where there is none."""
     import rerun as rr
 

@@ -4,7 +4,7 @@ import json
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from plumbline.harness.findings.steps_taken import step_in_words, substeps_of
+from plumbline.harness.findings.parameter_words import step_in_words, substeps_of
 from plumbline.harness.store.store import Store
 from plumbline.reports.recordings.runs import Stage
 from plumbline.reports.words.text import amount, settings_text, visible

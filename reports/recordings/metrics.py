@@ -9,7 +9,7 @@ import numpy as np
 from plumbline.reports.recordings.colour import Rgba, rgba
 from plumbline.reports.recordings.layout import METRICS, TRUTH
 from plumbline.reports.recordings.rotation import Floats, angle, rotate
-from plumbline.reports.recordings.runs import Run, Stage
+from plumbline.reports.recordings.runs import RecordedRun, Stage
 from plumbline.reports.recordings.sampling import extremes, stride_of
 from plumbline.reports.recordings.timeline import checked, columns
 from plumbline.reports.recordings.truth import truth_at
@@ -72,7 +72,7 @@ def motion(stage: Stage, arrays: Mapping[str, Floats]) -> dict[str, Floats]:
     return {"speed": np.sqrt(squares.max(axis=1)), "kinetic_energy": energy}
 
 
-def errors(stage: Stage, run: Run, told: tuple[Floats, Floats, Floats]) -> dict[str, tuple[Floats, Floats]]:
+def errors(stage: Stage, run: RecordedRun, told: tuple[Floats, Floats, Floats]) -> dict[str, tuple[Floats, Floats]]:
     """Instants and largest distance [m] and angle [rad] from the truth over all moving bodies, where the truth is told.
 
     Args: told: the truth at the run's instants, one of `truths`.

@@ -23,7 +23,7 @@ STATES = ("p_WB", "q_WB", "v_WB", "w_WB")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Run:
+class RecordedRun:
     """The trajectory of one engine and track, as far as it is finite.
 
     Terms:
@@ -58,7 +58,7 @@ class Stage:
     name: str
     case: Mapping[str, Any]
     scene: Mapping[str, Any] = field(default_factory=dict)
-    runs: tuple[Run, ...] = ()
+    runs: tuple[RecordedRun, ...] = ()
     truth: Mapping[str, Floats] = field(default_factory=dict)
     trials: tuple[Mapping[str, Any], ...] = ()
     notes: Mapping[str, str] = field(default_factory=dict)
@@ -153,7 +153,7 @@ def stage_of(store: Store, name: str) -> Stage:
     engines = list(store.catalogue.get("engines", {})) or sorted(set(met))
     colours = looks(dict.fromkeys([*engines, *met]))
     order = {engine: rank for rank, engine in enumerate(colours)}
-    runs: list[Run] = []
+    runs: list[RecordedRun] = []
     notes: dict[str, str] = {}
     for trial in sorted(chosen(trials, case), key=lambda t: (order[t["engine"]], t["track"] != "tuned", t["track"])):
         try:
@@ -165,7 +165,7 @@ def stage_of(store: Store, name: str) -> Stage:
         if note:
             notes[trial["trial"]] = note
         runs.append(
-            Run(
+            RecordedRun(
                 path=run_path(trial["engine"], trial["track"]),
                 engine=trial["engine"],
                 track=trial["track"],
@@ -195,7 +195,7 @@ def dressed(scene: dict[str, Any], drawn: Mapping[str, Any]) -> dict[str, Any]:
     return scene
 
 
-def _truth(runs: list[Run]) -> dict[str, Floats]:
+def _truth(runs: list[RecordedRun]) -> dict[str, Floats]:
     """The longest truth among the runs; all of them are about the same scene."""
     truths = [run.arrays for run in runs if "truth_time" in run.arrays]
     if not truths:

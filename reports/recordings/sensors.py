@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True)
-class View:
+class CameraView:
     """The pictures of one camera and channel: a title, and by the name of who tells it the path of the picture."""
 
     title: str
@@ -35,7 +35,7 @@ class Sensed:
     channels: Sequence[str] = ()
     clouds: Sequence[str] = ()
     cameras: Sequence[str] = ()
-    views: Sequence[View] = ()
+    views: Sequence[CameraView] = ()
     notes: Sequence[str] = ()
 
 
@@ -58,13 +58,13 @@ def sensed(stage: Stage) -> Sensed:
     return Sensed(channels, clouds, cameras, views, notes)
 
 
-def _views(sensor: Mapping[str, Any], tellers: Sequence[Source]) -> list[View]:
+def _views(sensor: Mapping[str, Any], tellers: Sequence[Source]) -> list[CameraView]:
     views = []
     for channel in ("colour", "depth"):
         showing = [source for source in tellers if channel in pictured(sensor, source)]
         if showing:
             paths = {source.name: f"{camera_path(sensor, source.path)}/{channel}" for source in showing}
-            views.append(View(f"{sensor['name']} {channel}", paths))
+            views.append(CameraView(f"{sensor['name']} {channel}", paths))
     return views
 
 

@@ -25,7 +25,7 @@ MESHES = ("convex_hull", "triangle_mesh")
 
 
 @dataclass(frozen=True)
-class Batch:
+class ShapeBatch:
     """Shapes of one kind that are logged together.
 
     Terms:
@@ -68,7 +68,7 @@ def placed_shapes(body: Mapping[str, Any]) -> list[dict[str, Any]]:
     return shapes
 
 
-def batches(bodies: Sequence[Mapping[str, Any]], places: Sequence[int], most: int = CROWD) -> list[Batch]:
+def batches(bodies: Sequence[Mapping[str, Any]], places: Sequence[int], most: int = CROWD) -> list[ShapeBatch]:
     """The shapes of the bodies at these places, one path a body, or one a kind of shape where there are more than `most`.
 
     A mesh is one path, of which an instance is a copy: where bodies share paths, those that are alike share that of the first.
@@ -92,7 +92,7 @@ def batches(bodies: Sequence[Mapping[str, Any]], places: Sequence[int], most: in
                 path = f"{path}/{kind}"
             gathered.setdefault(path, []).append((index, body["name"], p))
     return [
-        Batch(
+        ShapeBatch(
             path=path,
             kind=members[0][2]["shape"]["type"],
             bodies=np.array([index for index, _, _ in members], dtype=np.int64),
@@ -138,7 +138,7 @@ def facets(shape: Mapping[str, Any]) -> tuple[Floats, Floats]:
     return corners, np.arange(len(corners)).reshape(-1, 3)
 
 
-def drawn(batch: Batch, paint: Paint) -> "list[rr.AsComponents]":
+def drawn(batch: ShapeBatch, paint: Paint) -> "list[rr.AsComponents]":
     """The shapes of a batch without their poses."""
     import rerun as rr
 

@@ -18,10 +18,10 @@ from plumbline.reports.recordings.contacts import arrow_scale, log_contacts
 from plumbline.reports.recordings.layout import LOG, WORLD, application_id, file_name
 from plumbline.reports.recordings.log import text
 from plumbline.reports.recordings.metrics import curves, log_curves, ranked
-from plumbline.reports.recordings.runs import Run, Stage, stage_of, touching
+from plumbline.reports.recordings.runs import RecordedRun, Stage, stage_of, touching
 from plumbline.reports.recordings.sampling import at_instants, shown
 from plumbline.reports.recordings.sensors import log_sensors, sensed
-from plumbline.reports.recordings.shapes import OVERLAID, Batch, Paint
+from plumbline.reports.recordings.shapes import OVERLAID, Paint, ShapeBatch
 from plumbline.reports.recordings.truth import log_truth
 from plumbline.reports.words.text import slug
 
@@ -107,7 +107,9 @@ def fill(rec: "rr.RecordingStream", draft: Path, store: Store, stage: Stage) -> 
     rec.flush()
 
 
-def log_run(rec: "rr.RecordingStream", stage: Stage, run: Run, moving: Sequence[Batch], frame: Framing, scale: float) -> None:
+def log_run(
+    rec: "rr.RecordingStream", stage: Stage, run: RecordedRun, moving: Sequence[ShapeBatch], frame: Framing, scale: float
+) -> None:
     """Log the bodies of a run, their ways and their contacts, at the instants that are shown; arrows with scale [m/N]."""
     root, colour = f"{WORLD}/{run.path}", rgba(run.colour)
     log_paths(rec, f"{root}/paths", run.arrays["p_WB"][:, stage.moving], colour, frame.size)

@@ -11,7 +11,7 @@ PLAIN = "text/plain; charset=utf-8"
 
 
 @dataclass(frozen=True, slots=True)
-class Answer:
+class Response:
     """Terms: kind: of the content. content: the bytes, or the file that holds them. policy: what a browser may do with it.
     keep: how long it may be kept.
     """
@@ -41,6 +41,6 @@ class Answer:
         return "".join(f"{line}\r\n" for line in (*lines, "")).encode("ascii")
 
 
-def text(status: HTTPStatus, line: str) -> Answer:
+def text(status: HTTPStatus, line: str) -> Response:
     """A line of text."""
-    return Answer(status, PLAIN, f"{line}\n".encode())
+    return Response(status, PLAIN, f"{line}\n".encode())

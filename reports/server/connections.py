@@ -11,8 +11,8 @@ from contextlib import suppress
 from http import HTTPStatus
 from pathlib import Path
 
-from plumbline.reports.server.answer import Answer, text
-from plumbline.reports.server.request import Refused, Request, read_head
+from plumbline.reports.server.answer import Response, text
+from plumbline.reports.server.request import PageRequest, Refused, read_head
 
 MOST = 128
 """Connections at a time."""
@@ -26,7 +26,7 @@ LINGER = 1.0
 """Seconds that are left to a client to close: closing before it has, a machine may drop what is still under way."""
 _PART = 64 * 1024
 
-Ask = Callable[[Request], Awaitable[Answer]]
+Ask = Callable[[PageRequest], Awaitable[Response]]
 
 
 class Connections:
@@ -60,7 +60,7 @@ class Connections:
         self._heard.pop(out)
         out.cancel()
 
-    async def _answer(self, reader: asyncio.StreamReader, task: "asyncio.Task[None]") -> tuple[Answer, bool]:
+    async def _answer(self, reader: asyncio.StreamReader, task: "asyncio.Task[None]") -> tuple[Response, bool]:
         """The answer, and whether its content is asked for."""
         try:
             async with asyncio.timeout(HEAD_SECONDS):
@@ -77,7 +77,7 @@ class Connections:
         return await self._ask(request), request.content
 
 
-async def _send(writer: asyncio.StreamWriter, answer: Answer, content: bool) -> None:
+async def _send(writer: asyncio.StreamWriter, answer: Response, content: bool) -> None:
     """Send an answer, part by part. Raises: TimeoutError, OSError."""
     if isinstance(answer.content, Path):
         with answer.content.open("rb") as file:
@@ -96,7 +96,7 @@ async def _send(writer: asyncio.StreamWriter, answer: Answer, content: bool) -> 
 
 
 async def _send_parts(
-    writer: asyncio.StreamWriter, answer: Answer, left: int, length: int, read: Callable[[int], bytes]
+    writer: asyncio.StreamWriter, answer: Response, left: int, length: int, read: Callable[[int], bytes]
 ) -> None:
     async with asyncio.timeout(PATIENCE + left / SLOWEST):
         writer.write(answer.head(length))

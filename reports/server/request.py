@@ -23,14 +23,14 @@ class Refused(Exception):
 
 
 @dataclass(frozen=True, slots=True)
-class Request:
+class PageRequest:
     """A question. Terms: address: the path as it came, without what follows a '?'. content: is more than the head asked for?"""
 
     address: str
     content: bool
 
 
-def read_head(head: bytes) -> Request:
+def read_head(head: bytes) -> PageRequest:
     """The request that a head asks for.
 
     Args: head: the first line and the headers, each ended by CR LF.
@@ -62,4 +62,4 @@ def read_head(head: bytes) -> Request:
         raise Refused(HTTPStatus.BAD_REQUEST, "expected a request without content")
     if not address.startswith("/"):
         raise Refused(HTTPStatus.BAD_REQUEST, "expected an address that begins with '/'")
-    return Request(re.split("[?#]", address, maxsplit=1)[0], method == "GET")
+    return PageRequest(re.split("[?#]", address, maxsplit=1)[0], method == "GET")

@@ -12,10 +12,10 @@ from plumbline.harness.intake.safe_text import LONGEST, one_line, visible
 from plumbline.harness.store.store import Store
 from plumbline.reports.html.policy import DATA, SERVED, VIEWER
 from plumbline.reports.recordings import moment_recording
-from plumbline.reports.server.answer import Answer, text
+from plumbline.reports.server.answer import Response, text
 from plumbline.reports.server.assets import AssetsMissing, viewer_file
 from plumbline.reports.server.pages import front_page, viewer_page
-from plumbline.reports.server.request import Request
+from plumbline.reports.server.request import PageRequest
 
 PAGE_MAKERS = 4
 """Threads; the program of the viewer, which takes seconds to come, has one of its own."""
@@ -74,7 +74,7 @@ class Site:
         for pool in (self._pages, self._viewer):
             pool.shutdown(wait=False, cancel_futures=True)
 
-    async def answer(self, request: Request) -> Answer:
+    async def answer(self, request: PageRequest) -> Response:
         """What is at an address of this site."""
         pool = self._viewer if request.address.startswith(PROGRAM) else self._pages
         try:
@@ -86,19 +86,19 @@ class Site:
             print(one_line(message, LONGEST), file=sys.stderr)
             return text(HTTPStatus.INTERNAL_SERVER_ERROR, visible(message[:LONGEST]))
 
-    def _route(self, address: str) -> Answer:
+    def _route(self, address: str) -> Response:
         if address == "/":
-            return Answer(HTTPStatus.OK, KINDS[".html"], front_page(self._store), SERVED)
+            return Response(HTTPStatus.OK, KINDS[".html"], front_page(self._store), SERVED)
         if address == "/view":
-            return Answer(HTTPStatus.OK, KINDS[".html"], viewer_page(self._store), VIEWER)
+            return Response(HTTPStatus.OK, KINDS[".html"], viewer_page(self._store), VIEWER)
         if (own := OWN.get(address)) is not None:
-            return Answer(HTTPStatus.OK, KINDS[own.suffix], own)
+            return Response(HTTPStatus.OK, KINDS[own.suffix], own)
         if address.startswith(PROGRAM) and (program := viewer_file(address.removeprefix(PROGRAM))) is not None:
-            return Answer(HTTPStatus.OK, KINDS[Path(address).suffix], program, keep="max-age=3600")
+            return Response(HTTPStatus.OK, KINDS[Path(address).suffix], program, keep="max-age=3600")
         if (asked := MOMENT.fullmatch(address)) is not None:
             stretch = moment_recording(self._store, asked[2], float(asked[1]))
             if stretch is not None:
-                return Answer(HTTPStatus.OK, KINDS[".rrd"], stretch, DATA)
+                return Response(HTTPStatus.OK, KINDS[".rrd"], stretch, DATA)
         if (path := file_of(self._store.folder, address)) is not None:
-            return Answer(HTTPStatus.OK, KINDS[path.suffix], path, SERVED if path.suffix == ".html" else DATA)
+            return Response(HTTPStatus.OK, KINDS[path.suffix], path, SERVED if path.suffix == ".html" else DATA)
         return text(HTTPStatus.NOT_FOUND, f"nothing at {address[:200]!r}")

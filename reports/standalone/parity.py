@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from plumbline.harness.store.parity_record import ParityRecord, Side, read
+from plumbline.harness.store.imported_scenes import ParityRecord, ParitySide, read
 from plumbline.reports.charts.palette import looks
 from plumbline.reports.html.policy import guarded
 from plumbline.reports.html.style import copy_style
@@ -16,7 +16,7 @@ DERIVED = ("gravity torque", "mass matrix", "acceleration")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Row:
+class ParityRow:
     """One difference. Terms: size: how it differs. torque: its consequence, '' where it has none. bar: share of the
     worst torque of all sides, 0 to 1."""
 
@@ -34,12 +34,12 @@ class Row:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Panel:
+class ParityPanel:
     """One side. Terms: causes: the worst first. derived: what follows from them. worst: the largest consequence, in words."""
 
-    side: Side
-    causes: tuple[Row, ...]
-    derived: tuple[Row, ...]
+    side: ParitySide
+    causes: tuple[ParityRow, ...]
+    derived: tuple[ParityRow, ...]
     worst: str
 
     @property
@@ -76,10 +76,10 @@ def rendered(record: ParityRecord) -> str:
     )
 
 
-def _panel(side: Side, most: float) -> Panel:
+def _panel(side: ParitySide, most: float) -> ParityPanel:
     causes = sorted((row for row in side.rows if row["quantity"] not in DERIVED), key=lambda row: -(row["torque"] or 0.0))
     derived = [row for row in side.rows if row["quantity"] in DERIVED]
-    return Panel(
+    return ParityPanel(
         side=side,
         causes=tuple(_row(row, most) for row in causes),
         derived=tuple(_row(row, most) for row in derived),
@@ -92,12 +92,12 @@ def _worst(rows: Sequence[Mapping[str, Any]]) -> str:
     return f"{amount(row['torque'])} {unit_text(row['torque_unit'])}" if row and row["torque"] else ""
 
 
-def _row(row: Mapping[str, Any], most: float) -> Row:
+def _row(row: Mapping[str, Any], most: float) -> ParityRow:
     size = "" if row["absolute"] is None else f"{amount(row['absolute'])} {unit_text(row['unit'])}".strip()
     if row["relative"] is not None:
         size += f" ({amount(row['relative'])} relative)" if size else f"{amount(row['relative'])} relative"
     followed = row["torque"] is not None
-    return Row(
+    return ParityRow(
         kind=row["kind"],
         quantity=row["quantity"].replace("_", " "),
         element=row["element"],
@@ -120,7 +120,7 @@ def _shown(value: Any) -> str:
     return amount(value, 6) if isinstance(value, float | int) else str(value)
 
 
-def _kinds(panels: Sequence[Panel]) -> list[tuple[str, list[tuple[int, bool]]]]:
+def _kinds(panels: Sequence[ParityPanel]) -> list[tuple[str, list[tuple[int, bool]]]]:
     """Kinds of changes, the most frequent first: how many of each every side has, and whether all are documented."""
     names: dict[str, int] = {}
     for panel in panels:

@@ -17,7 +17,7 @@ from plumbline.reports.html.drawing import Drawing
 from plumbline.reports.html.policy import guarded
 from plumbline.reports.html.style import copy_style
 from plumbline.reports.html.template import environment
-from plumbline.reports.html.written import SCRIPT, NotMade, WrittenReport, picture_file, script_file
+from plumbline.reports.html.written import SCRIPT, NotWritten, WrittenReport, picture_file, script_file
 from plumbline.reports.words.catalogue import FAMILIES
 
 PAGE = "index.html"
@@ -143,7 +143,7 @@ def _segments(trends: Trends) -> list[tuple[str, str]]:
 
 def write_trends(trends: Trends, folder: Path) -> WrittenReport:
     """Write the page, its style and its pictures into a folder; it needs no network and no run folder."""
-    failures: dict[str, NotMade] = {}
+    failures: dict[str, NotWritten] = {}
     page, figures = trends_page(trends)
     make_folder(folder / "charts")
     copy_style(folder, "vega-licences.txt")

@@ -9,9 +9,9 @@ from operator import attrgetter
 from textwrap import shorten
 
 from plumbline.harness.findings.emulations import whose
-from plumbline.harness.findings.leads import Lead, Reach, reaches
 from plumbline.harness.findings.limits_found import CONSTANT, Search, searches_if_described
 from plumbline.harness.findings.parameter_words import called
+from plumbline.harness.findings.standing import Lead, Reach, reaches
 from plumbline.harness.metric.titles import metric_title
 from plumbline.harness.store.rows import grouped
 from plumbline.harness.store.store import Store

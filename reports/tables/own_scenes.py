@@ -12,7 +12,7 @@ from plumbline.harness.findings.once import once
 from plumbline.harness.findings.tables.recorded import joint_errors, recorded_words
 from plumbline.harness.store.store import Store
 from plumbline.reports.words.catalogue import titles
-from plumbline.reports.words.status import FINITE, VERDICTS, Outcome, outcome
+from plumbline.reports.words.status import FINITE, VERDICTS, StatusWord, outcome
 
 
 @once
@@ -24,7 +24,7 @@ def by_case(store: Store) -> Mapping[str, tuple[Agreement, ...]]:
     return by_scene
 
 
-def chips(store: Store) -> Mapping[tuple[str, str, str], tuple[Outcome, str]]:
+def chips(store: Store) -> Mapping[tuple[str, str, str], tuple[StatusWord, str]]:
     """By case, engine and track: the verdict, and it in words."""
     return {
         (agreement.case, side.engine, side.track): (VERDICTS[side.word], side_words(side, agreement))
@@ -50,6 +50,6 @@ def summary(store: Store, case: str) -> list[str]:
     ]
 
 
-def shown(name: str) -> Outcome:
+def shown(name: str) -> StatusWord:
     """A status of a trial of such a scene: 'passed' says no more than that its numbers are finite."""
     return FINITE if name == "passed" else outcome(name)

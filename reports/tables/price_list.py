@@ -11,10 +11,9 @@ import pandas as pd
 
 from plumbline.harness.findings.cost_point import CostPoint
 from plumbline.harness.findings.emulations import share_in_words, whose
-from plumbline.harness.findings.leads import cheapest
 from plumbline.harness.findings.once import once
 from plumbline.harness.findings.prices import PER_SECOND, Price, priced, unit_of
-from plumbline.harness.findings.standing import counted, standing
+from plumbline.harness.findings.standing import cheapest, counted, standing
 from plumbline.harness.store.store import Store
 from plumbline.reports.words.catalogue import titled
 from plumbline.reports.words.disputes import disputed

@@ -76,7 +76,7 @@ def evidence_by_purpose(store: Store) -> Iterator[tuple[Grounds, Answer]]:
 
 
 @dataclass(frozen=True)
-class Standing:
+class EngineStanding:
     """An engine in the answer for a purpose.
 
     Terms:
@@ -100,7 +100,7 @@ class Standing:
 
 
 @dataclass(frozen=True)
-class Need:
+class PurposeAnswer:
     """A purpose in the shortest: the answer in a sentence, notes beside it, a command that would decide it, engines' standings.
 
     Terms:
@@ -115,7 +115,7 @@ class Need:
     answer: str
     notes: Sequence[str]
     command: str
-    standings: Mapping[str, Standing]
+    standings: Mapping[str, EngineStanding]
     cases: int
     error: str
     few: bool
@@ -136,7 +136,7 @@ def answers_by_purpose(store: Store) -> Mapping[str, Answer]:
 
 
 @once
-def needs(store: Store) -> list[Need]:
+def needs(store: Store) -> list[PurposeAnswer]:
     """The scenes of the user's own, and the built-in purposes of which the run has cases enough."""
     if not asked_of_several(store):
         return []
@@ -148,17 +148,17 @@ def needs(store: Store) -> list[Need]:
     ]
 
 
-def _own_need(store: Store, case: str) -> Need | None:
+def _own_need(store: Store, case: str) -> PurposeAnswer | None:
     """The purpose of a scene of the user's own: itself. Where nothing else was run, its answer is that of all cases."""
     whole = answer(store)
     mine = whole if whole.evidence.cases.keys() == {case} else choose(store, Wish(cases={escape(case): 1.0}))
     return None if mine.rank is None else _need(store, slug(case), str(cases(store)[case]["title"]), OWN, mine, own=True)
 
 
-def _need(store: Store, name: str, title: str, why: str, chosen: Answer, *, own: bool = False) -> Need:
+def _need(store: Store, name: str, title: str, why: str, chosen: Answer, *, own: bool = False) -> PurposeAnswer:
     titled: Callable[[str], str] = partial(engine_title, store)
     notes, command = notes_and_command(store, chosen)
-    return Need(
+    return PurposeAnswer(
         name=name,
         title=title,
         why=why,
@@ -187,16 +187,16 @@ def notes_and_command(store: Store, chosen: Answer) -> tuple[list[str], str]:
     return [sentence for sentence in sentences if sentence], command
 
 
-def standings(store: Store, chosen: Answer) -> list[tuple[Standing, Place]]:
+def standings(store: Store, chosen: Answer) -> list[tuple[EngineStanding, Place]]:
     """The engines of an answer, best first."""
     return [(_standing(store, chosen, entry), entry) for entry in (chosen.rank.places if chosen.rank is not None else ())]
 
 
-def _standing(store: Store, chosen: Answer, entry: Place) -> Standing:
+def _standing(store: Store, chosen: Answer, entry: Place) -> EngineStanding:
     track = chosen.evidence.tracks[entry.engine]
     speed, error = chosen.evidence.speed(entry.engine), chosen.evidence.error(entry.engine)
     within, judged = chosen.evidence.within(entry.engine)
-    return Standing(
+    return EngineStanding(
         engine=entry.engine,
         number=entry.number,
         first=None if chosen.alone else entry.first,

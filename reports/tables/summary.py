@@ -3,8 +3,8 @@
 from collections import Counter
 
 from plumbline.harness.findings.emulations import whose
-from plumbline.harness.findings.leads import axis_leads, reaches
 from plumbline.harness.findings.limits_found import searches_if_described
+from plumbline.harness.findings.standing import axis_leads, reaches
 from plumbline.harness.findings.standing import leaders as first_of
 from plumbline.harness.findings.tables import determinism, effects
 from plumbline.harness.findings.tables.orders import convergences

@@ -8,15 +8,15 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from plumbline.harness.findings.margins import Margin, margins
+from plumbline.harness.findings.causes import Margin, margins
 from plumbline.harness.findings.once import once
 from plumbline.harness.store.store import Store
 from plumbline.reports.tables.own_scenes import by_case, chips
 from plumbline.reports.tables.trial_results import at_own_step
 from plumbline.reports.words.catalogue import cases, engines, families, named_tracks
-from plumbline.reports.words.emulated_features import Law, every_law
+from plumbline.reports.words.emulated_features import EmulatedLaw, every_law
 from plumbline.reports.words.reasons import reasons
-from plumbline.reports.words.status import STATUSES, Outcome, outcome, worst
+from plumbline.reports.words.status import STATUSES, StatusWord, outcome, worst
 from plumbline.reports.words.text import TIMES, amount, unit_text
 
 DECADES = 3
@@ -34,10 +34,10 @@ class CaseVerdict:
     much that keeps or misses its checks, None where it has no number.
     """
 
-    counts: tuple[tuple[Outcome, int], ...]
-    worst: Outcome
+    counts: tuple[tuple[StatusWord, int], ...]
+    worst: StatusWord
     reason: str
-    own: Outcome
+    own: StatusWord
     trial: str = ""
     margin: Margin | None = None
 
@@ -126,7 +126,7 @@ def cells_by_family(store: Store) -> list[tuple[str, list[dict[str, Any]]]]:
     return [(title, sorted(listed, key=lambda case: -failing[case["name"]])) for title, listed in grouped if listed]
 
 
-def counted(counts: Mapping[str, int]) -> tuple[tuple[Outcome, int], ...]:
+def counted(counts: Mapping[str, int]) -> tuple[tuple[StatusWord, int], ...]:
     """Counts from good to bad."""
     return tuple(sorted(((outcome(name), count) for name, count in counts.items()), key=lambda pair: pair[0].rank))
 
@@ -168,7 +168,7 @@ def versions_of(store: Store, engine: str) -> list[str]:
     return [str(version) for version in mine.unique() if version]
 
 
-def laws_of(store: Store, engine: str) -> Sequence[tuple[str, Law]]:
+def laws_of(store: Store, engine: str) -> Sequence[tuple[str, EmulatedLaw]]:
     """Every feature that some engine of the run claims, and whose it is on this one; what it lacks first."""
     rows = [(feature, row[engine]) for feature, row in every_law(store) if engine in row]
     order = ("not offered", "emulated", "in part emulated", "own")

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 from plumbline.harness.findings.tables.zoo import RUNS, InZoo, in_zoo
 from plumbline.harness.store.store import Store
-from plumbline.reports.words.status import VERDICTS, Outcome
+from plumbline.reports.words.status import VERDICTS, StatusWord
 
-NOT_RUN = Outcome(name="not run", symbol="○", meaning="the engine takes the robot, and time was up before it ran", rank=2)
+NOT_RUN = StatusWord(name="not run", symbol="○", meaning="the engine takes the robot, and time was up before it ran", rank=2)
 STAGES = {
     "not here": "its files are not on this machine and could not be fetched",
     "not read": "reading its files did not end",
@@ -18,12 +18,12 @@ STAGES = {
 
 
 @dataclass(frozen=True, slots=True)
-class Cell:
+class ZooCell:
     """One engine and a robot. Terms: outcome: as a chip. why: in words, '' where nothing is to be said. drops: what this engine
     alone would have to have left out, in words."""
 
     of: InZoo
-    outcome: Outcome
+    outcome: StatusWord
     why: str
     drops: str
 
@@ -34,7 +34,7 @@ class Inside:
 
     about: InZoo
     left_out: str
-    cells: Mapping[str, Cell]
+    cells: Mapping[str, ZooCell]
 
     @property
     def runs_on(self) -> str:
@@ -63,6 +63,6 @@ def kinds(text: str) -> str:
     return ", ".join(kind.replace("_", " ") for kind in text.split())
 
 
-def _cell(each: InZoo) -> Cell:
+def _cell(each: InZoo) -> ZooCell:
     outcome = VERDICTS["cannot"] if not each.enters else VERDICTS.get(each.verdict, NOT_RUN)
-    return Cell(each, outcome, each.reason, kinds(each.drops))
+    return ZooCell(each, outcome, each.reason, kinds(each.drops))

@@ -27,7 +27,7 @@ IN_TURNS = "the harness lets worlds take turns, a few steps each"
 
 
 @dataclass(frozen=True, slots=True)
-class Law:
+class EmulatedLaw:
     """One feature on one engine.
 
     Terms:
@@ -38,16 +38,16 @@ class Law:
     made: tuple[Made, ...] = ()
 
 
-def _law(engine: Mapping[str, Any], feature: str, emulations: list[Made]) -> Law:
+def _law(engine: Mapping[str, Any], feature: str, emulations: list[Made]) -> EmulatedLaw:
     if feature not in engine["features"]:
-        return Law("not offered")
+        return EmulatedLaw("not offered")
     mine = tuple(emulation for emulation in emulations if emulation.feature == feature)
     if not mine:
-        return Law("own")
+        return EmulatedLaw("own")
     whole = not any(emulation.where for emulation in mine) and set(engine["tracks"]) <= {
         track for emulation in mine for track in emulation.tracks
     }
-    return Law("emulated" if whole else "in part emulated", mine)
+    return EmulatedLaw("emulated" if whole else "in part emulated", mine)
 
 
 def _told(store: Store) -> dict[str, dict[str, Any]]:
@@ -55,7 +55,7 @@ def _told(store: Store) -> dict[str, dict[str, Any]]:
     return {name: engine for name, engine in engines(store).items() if engine["features"]}
 
 
-def _table(store: Store, features: list[str]) -> list[tuple[str, Mapping[str, Law]]]:
+def _table(store: Store, features: list[str]) -> list[tuple[str, Mapping[str, EmulatedLaw]]]:
     described = _told(store)
     emulations = {name: made(store.catalogue, name) for name in described}
     return [
@@ -67,11 +67,14 @@ def _table(store: Store, features: list[str]) -> list[tuple[str, Mapping[str, La
     ]
 
 
-def _batches(store: Store) -> tuple[str, Mapping[str, Law]]:
+def _batches(store: Store) -> tuple[str, Mapping[str, EmulatedLaw]]:
     """Who steps many worlds in a call of its own."""
     described = _told(store)
     turns = {name: (Made(name, BATCH, IN_TURNS, "", tuple(engine["tracks"])),) for name, engine in described.items()}
-    return BATCH, {name: Law("own") if engine["batch"] else Law("emulated", turns[name]) for name, engine in described.items()}
+    return BATCH, {
+        name: EmulatedLaw("own") if engine["batch"] else EmulatedLaw("emulated", turns[name])
+        for name, engine in described.items()
+    }
 
 
 def _features(store: Store) -> list[str]:
@@ -80,12 +83,12 @@ def _features(store: Store) -> list[str]:
     return list(dict.fromkeys(feature for features in claimed for feature in features))
 
 
-def every_law(store: Store) -> list[tuple[str, Mapping[str, Law]]]:
+def every_law(store: Store) -> list[tuple[str, Mapping[str, EmulatedLaw]]]:
     """By feature and engine, for every feature that some engine claims."""
     return [*_table(store, _features(store)), _batches(store)]
 
 
-def told_apart(store: Store) -> list[tuple[str, Mapping[str, Law]]]:
+def told_apart(store: Store) -> list[tuple[str, Mapping[str, EmulatedLaw]]]:
     """By feature and engine, for the features that some engine lacks or some adapter makes."""
     return [(feature, row) for feature, row in every_law(store) if any(law.word != "own" for law in row.values())]
 
@@ -95,7 +98,7 @@ def own_everywhere(store: Store) -> list[str]:
     return [feature for feature, row in _table(store, _features(store)) if all(law.word == "own" for law in row.values())]
 
 
-def laws_of_case(store: Store, case: Mapping[str, Any]) -> list[tuple[str, Mapping[str, Law]]]:
+def laws_of_case(store: Store, case: Mapping[str, Any]) -> list[tuple[str, Mapping[str, EmulatedLaw]]]:
     """By feature and engine, for what the case uses and not every engine has of its own."""
     used = _table(store, [feature for feature in _features(store) if feature in case["features"]])
     return [(feature, row) for feature, row in used if any(law.word != "own" for law in row.values())]

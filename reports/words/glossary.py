@@ -10,7 +10,7 @@ PLACES = (Path(__file__).parents[1] / "glossary.md", Path(__file__).resolve().pa
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Entry:
+class GlossaryEntry:
     """A row. words: that mean the same or belong together; meaning: in sentences, with code between backticks. anchor: in an
     address."""
 
@@ -24,19 +24,19 @@ class Entry:
         return re.sub(r"[^a-z0-9]+", "-", self.words[0].lower()).strip("-")
 
 
-def entries(page: str) -> tuple[Entry, ...]:
+def entries(page: str) -> tuple[GlossaryEntry, ...]:
     """The rows of a page in Markdown: headings of the second level, each with a table of two columns."""
-    read: list[Entry] = []
+    read: list[GlossaryEntry] = []
     for block in re.split(r"^## ", page, flags=re.MULTILINE)[1:]:
         title, _, text = block.partition("\n")
         for line in [line for line in text.splitlines() if line.startswith("|")][2:]:  # below a header and its rule
             words, meaning = (cell.strip() for cell in line.strip("|").split("|", 1))
-            read.append(Entry(section=title.strip(), words=tuple(words.split(", ")), meaning=meaning))
+            read.append(GlossaryEntry(section=title.strip(), words=tuple(words.split(", ")), meaning=meaning))
     return tuple(read)
 
 
 @cache
-def glossary() -> tuple[Entry, ...]:
+def glossary() -> tuple[GlossaryEntry, ...]:
     """The entries of `docs/glossary.md`; none if this installation lacks it."""
     path = next((path for path in PLACES if path.is_file()), None)
     return () if path is None else entries(path.read_text(encoding="utf-8"))

@@ -2,7 +2,7 @@
 
 from functools import lru_cache
 
-from plumbline.harness.findings.vendor.finding import Finding, shelf
+from plumbline.harness.findings.vendor_findings import Finding, shelf
 from plumbline.harness.store.store import Store
 from plumbline.reports.words.catalogue import engines
 

@@ -8,8 +8,8 @@ from functools import lru_cache
 from pathlib import PurePath
 from typing import Any
 
-from plumbline.harness.case.own_titles import OWN
-from plumbline.harness.findings.steps_taken import beside, whole_part
+from plumbline.harness.case.undropped import OWN
+from plumbline.harness.findings.parameter_words import beside, whole_part
 from plumbline.harness.intake import safe_text
 from plumbline.harness.intake.safe_text import LONGEST
 from plumbline.harness.store.record import digest

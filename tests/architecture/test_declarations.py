@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from plumbline.harness.findings.vendor.finding import shelf
+from plumbline.harness.findings.vendor_findings import shelf
 from tests.claims_made import ENGINES, PAGE, claims, plain
 
 ROOT = Path(__file__).parents[2]

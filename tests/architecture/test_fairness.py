@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from plumbline.harness.findings.vendor.finding import shelf
+from plumbline.harness.findings.vendor_findings import shelf
 from plumbline.harness.study import plugins
 from plumbline.harness.study.study import load_study
 from plumbline.reports.words.disputes import TABLE, read

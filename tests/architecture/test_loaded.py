@@ -5,7 +5,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from plumbline.harness.run.preloads import preloads
+from plumbline.harness.run.fork_servers import preloads
 from plumbline.harness.scene import Body, Imu, Scene
 from plumbline.harness.scene.file import dump_toml
 from plumbline.harness.study import plugins

@@ -7,7 +7,7 @@ from urllib.parse import urlsplit
 import pytest
 
 from plumbline import reports
-from plumbline.harness.store.parity_record import ParityRecord, Side, write
+from plumbline.harness.store.imported_scenes import ParityRecord, ParitySide, write
 
 pytestmark = pytest.mark.browser
 
@@ -31,16 +31,18 @@ def page(tmp_path_factory: pytest.TempPathFactory) -> Path:
         "kind": "limit ignored", "documented": "a guide", "words": "B is not stopped there",
     }  # fmt: skip
     sides = (
-        Side(
+        ParitySide(
             name="bullet",
             engine="bullet",
             source="pybullet",
             rows=tuple(row(torque=float(k + 1)) for k in range(12)),
             matrix_gap=1e-8,
         ),
-        Side(name="dart", engine="dart", source="DART", rows=(row(**limit), row(quantity="mass matrix", kind="", torque=None))),
-        Side(name="mujoco", engine="mujoco", source="MuJoCo", matrix_gap=1e-16),
-        Side(name="strange", engine="strange", refused="the loader died"),
+        ParitySide(
+            name="dart", engine="dart", source="DART", rows=(row(**limit), row(quantity="mass matrix", kind="", torque=None))
+        ),
+        ParitySide(name="mujoco", engine="mujoco", source="MuJoCo", matrix_gap=1e-16),
+        ParitySide(name="strange", engine="strange", refused="the loader died"),
     )
     record = ParityRecord(file=f"{NAME}.urdf", joints=7, root="floating", tolerance=1e-5, seed=0, sides=sides)
     write(folder, record)

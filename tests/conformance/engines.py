@@ -6,7 +6,7 @@ from importlib import import_module
 
 from plumbline import adapters
 from plumbline.harness.adapter import Adapter, Unavailable
-from plumbline.harness.conformance import CHECKS, Outcome, run_check
+from plumbline.harness.conformance import CHECKS, CheckOutcome, run_check
 
 __all__ = ["NAMES", "adapter", "outcome_of", "why_unavailable"]
 
@@ -33,7 +33,7 @@ def why_unavailable(name: str) -> str:
 
 
 @cache
-def outcome_of(name: str, track: str, check: str) -> Outcome:
+def outcome_of(name: str, track: str, check: str) -> CheckOutcome:
     """What a check says of an engine as it is; asked once in a process, by whichever test comes first."""
     (asked,) = (one for one in CHECKS if one.name == check)
     return run_check(adapter(name), track, asked)

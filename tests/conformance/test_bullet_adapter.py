@@ -10,7 +10,7 @@ import pytest
 
 from plumbline.adapters.bullet import ADAPTER
 from plumbline.harness.adapter import Diverged, Settings, SettingsError
-from plumbline.harness.conformance.exact import rotation, turning
+from plumbline.harness.conformance.scenes import rotation, turning
 from plumbline.harness.scene import (
     WORLD,
     Ball,

@@ -13,7 +13,7 @@ from pydantic.dataclasses import dataclass
 from plumbline.harness.adapter import Adapter
 from plumbline.harness.scene.values import FROZEN
 from plumbline.harness.study import plugins
-from plumbline.harness.study.axes import axis_of
+from plumbline.harness.study.experiment import axis_of
 from plumbline.harness.study.study import load_study
 from plumbline.harness.trial.accuracy import run_trial
 from plumbline.harness.trial.ensemble import endure

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from plumbline.harness.adapter import Adapter, Feature, Settings
-from plumbline.harness.conformance import CHECKS, ConformanceCheck, Finding, checks, gate, run_check, run_conformance
+from plumbline.harness.conformance import CHECKS, CheckResult, ConformanceCheck, checks, gate, run_check, run_conformance
 from plumbline.harness.conformance.catalogue import SUBJECTS
 from plumbline.harness.conformance.checks.contract.features import PROBED
 from plumbline.harness.conformance.checks.contract.protocol import loaded_at_once
@@ -136,7 +136,7 @@ def test_a_feature_kept_silent_fails_every_check_that_needs_it() -> None:
 
 
 def test_an_exception_in_a_check_is_a_failure_with_its_text() -> None:
-    def stumble(adapter: Adapter, settings: Settings) -> Finding:
+    def stumble(adapter: Adapter, settings: Settings) -> CheckResult:
         raise ZeroDivisionError("no ground to stand on")
 
     outcome = run_check(FREE_FLIGHT, "tuned", ConformanceCheck(name="stumble", question="?", run=stumble))
@@ -148,8 +148,8 @@ def _check(name: str) -> ConformanceCheck:
 
 
 def _sometimes(status: str, *, excusable: bool = True) -> ConformanceCheck:
-    def run(adapter: Adapter, settings: Settings) -> Finding:
-        return Finding(status, "got 1, expected 2")  # type: ignore[arg-type]
+    def run(adapter: Adapter, settings: Settings) -> CheckResult:
+        return CheckResult(status, "got 1, expected 2")  # type: ignore[arg-type]
 
     return ConformanceCheck(name="sometimes", question="?", run=run, excusable=excusable)
 

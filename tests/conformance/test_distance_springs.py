@@ -8,7 +8,7 @@ import pytest
 from plumbline.harness.adapter import Adapter, Unsupported
 from plumbline.harness.adapter.distance_springs import DistanceSprings
 from plumbline.harness.adapter.features import features_of
-from plumbline.harness.conformance.runs import built, record, state_of
+from plumbline.harness.conformance.room import built, record, state_of
 from plumbline.harness.scene import WORLD, Body, Distance, Limits, Revolute, Scene, Spring, Vector3, principal_inertia
 from plumbline.harness.trajectory import State
 from tests.conformance.engines import adapter

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from plumbline.harness.cli.gate import failures
+from plumbline.harness.cli.run_study import failures
 from plumbline.harness.findings.tables import dominance as table
 from plumbline.harness.findings.tables.dominance import TriedChange, changes, unexcused
 from plumbline.harness.run.campaign import carry_out

@@ -16,7 +16,7 @@ import pytest
 from plumbline.harness.adapter import Adapter, Advantage, Emulation, Feature, Settings, Simulation
 from plumbline.harness.adapter.features import features_of
 from plumbline.harness.conformance.checks.contract.features import _SCENES, _slide
-from plumbline.harness.conformance.runs import built
+from plumbline.harness.conformance.room import built
 from plumbline.harness.findings.emulations import made, whose
 from plumbline.harness.scene import Body, Drive, Effect, Limits, Scene, Spring
 from tests.conformance.engines import NAMES, adapter, why_unavailable

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from plumbline.harness.findings.search_effort import ALIKE
+from plumbline.harness.findings.cost_point import ALIKE
 from plumbline.harness.study import plugins
 from tests.conformance.engines import NAMES, adapter, why_unavailable
 from tests.knobs import Tried, swept, unequal

@@ -6,7 +6,7 @@ import pytest
 
 from plumbline.harness.adapter import Unsupported
 from plumbline.harness.adapter.features import features_of
-from plumbline.harness.conformance.runs import final
+from plumbline.harness.conformance.room import final
 from plumbline.harness.scene import WORLD, Body, Drive, Prismatic, Scene
 from plumbline.harness.scene.file import dump_json, dump_toml, parse
 from tests.conformance.engines import adapter

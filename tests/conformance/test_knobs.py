@@ -12,7 +12,7 @@ from plumbline.harness.study.experiment import Experiment
 from plumbline.harness.study.one_knob import turned
 from plumbline.harness.study.study import Study
 from plumbline.harness.trajectory import State
-from plumbline.harness.trial.idle_knobs import idle_turns
+from plumbline.harness.trial.beside_tuned import idle_turns
 from tests.conformance.engines import NAMES, adapter, why_unavailable
 
 SCENES = {

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from plumbline.harness.findings.leads import BUDGETS
+from plumbline.harness.findings.standing import BUDGETS
 from plumbline.harness.store.store import Store
 from plumbline.harness.study import plugins
 from plumbline.harness.study.experiment import Experiment, Limit

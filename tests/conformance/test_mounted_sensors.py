@@ -10,7 +10,7 @@ import pytest
 from plumbline.harness.adapter.rotations import conjugate
 from plumbline.harness.conformance import CHECKS, run_check
 from plumbline.harness.scene import multiply
-from plumbline.harness.sensors import depth_camera, imu, lidar, lidar_scans, spinning
+from plumbline.harness.sensors import depth_camera, imu, lidar, spinning
 from tests.conformance.engines import adapter
 
 CHECK = {check.name: check for check in CHECKS}
@@ -73,7 +73,7 @@ BROKEN: tuple[tuple[str, Any, str, Spoil], ...] = (
     ("inertial_readings_on_a_turning_body", imu, "ideal", _units_exchanged),
     ("depth_camera_reads_between_its_bounds", depth_camera, "pixel_rays", _one_focal_length),
     ("inertial_noise_has_its_strength", imu, "three_axes", _twice_as_strong),
-    ("lidar_noise_has_its_strength", lidar_scans, "noisy", _without_noise),
+    ("lidar_noise_has_its_strength", lidar, "noisy", _without_noise),
     ("wide_beams_read_the_mean_of_their_cone", lidar, "spread", _twice_as_wide),
     ("spinning_lidar_fires_column_by_column", spinning, "pose_between", _all_at_the_stamp),
 )

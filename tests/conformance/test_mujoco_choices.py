@@ -181,3 +181,29 @@ def test_what_bears_its_like_keeps_contacts_that_are_cheap_to_solve(case: str) -
     assert built(scene_of(case), TUNED, 1 / 240).resolved.options["contact_impedance"] == 0.999
     told = replace(TUNED, options={**TUNED.options, "contact_impedance": 0.95})
     assert built(scene_of(case), told, 1 / 240).resolved.options["contact_impedance"] == 0.95
+
+
+@pytest.mark.parametrize(
+    ("case", "impratio"),
+    [
+        # Balls apart; of a heap; boxes; balls that rebound.
+        ("friction_slip_to_roll", 1e-6),
+        ("stack_pile", 10.0),
+        ("friction_stop", 10.0),
+        ("impact_oblique", 10.0),
+    ],
+)
+def test_friction_is_left_to_the_slip_correction_where_balls_touch_what_stands_alone(case: str, impratio: float) -> None:
+    """Else what sticks would creep. The vendor's own defaults stay on `default`."""
+    used = built(scene_of(case), TUNED).resolved.options
+    assert (used["impratio"], used["noslip_iterations"] > 0) == (impratio, impratio < 1)
+    assert built(scene_of(case), DEFAULT).resolved.options["impratio"] == 1.0
+
+
+def test_a_ball_that_slides_into_rolling_neither_hops_nor_leaves_coulomb_s_law_by_more_than_a_step() -> None:
+    scene = scene_of("friction_slip_to_roll")
+    simulation = built(scene, TUNED, TUNED.dt)
+    simulation.step(round(0.3 / TUNED.dt))
+    state = state_of(simulation, scene)
+    assert state.v_WB[1:, 0] == pytest.approx(5.0 - 0.3 * G * 0.3, abs=1.2 * 0.3 * G * TUNED.dt)
+    assert np.abs(state.v_WB[1:, 2]).max() < 1e-3

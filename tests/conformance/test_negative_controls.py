@@ -11,7 +11,7 @@ import pytest
 from plumbline.harness.adapter import Adapter, Feature
 from plumbline.harness.conformance import CHECKS, noise_axes_are_independent, run_check
 from plumbline.harness.scene import AxisNoise
-from plumbline.harness.sensors.imu_noise import three_axes
+from plumbline.harness.sensors.imu import three_axes
 from plumbline.harness.study import plugins
 from plumbline.harness.trajectory import State, Trajectory
 from tests.conformance import fault_matrix

@@ -8,7 +8,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from plumbline.harness.adapter import Adapter, Unsupported
-from plumbline.harness.conformance.runs import final
+from plumbline.harness.conformance.room import final
 from plumbline.harness.scene import WORLD, Body, Drive, Limits, PlacedShape, Plane, Revolute, Scene, Sphere, Spring, Surface
 from plumbline.harness.trajectory import Floats
 from tests.conformance.engines import adapter

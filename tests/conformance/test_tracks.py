@@ -12,7 +12,7 @@ import pytest
 
 from plumbline.harness.adapter import Adapter
 from plumbline.harness.case import Case
-from plumbline.harness.search.better import ALIKE
+from plumbline.harness.search.dominance import ALIKE
 from plumbline.harness.study import plugins
 from tests.conformance.engines import NAMES, adapter, why_unavailable
 from tests.known_prices import PLUGINS

@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from plumbline.harness.findings.margins import margins
+from plumbline.harness.findings.causes import margins
 from plumbline.harness.run import isolated
 from plumbline.harness.store.record import Record
 from plumbline.harness.store.store import Store

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from plumbline.harness.history.folder import opened
-from plumbline.harness.history.verify_history import problems_of
+from plumbline.harness.history.retention import problems_of
 from tests.stress.ledger import Page
 
 ROOT = Path(__file__).parents[2]

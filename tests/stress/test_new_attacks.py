@@ -26,11 +26,10 @@ import numpy as np
 import pytest
 
 import plumbline
-from plumbline.harness.case.own_titles import OWN
+from plumbline.harness.case.undropped import OWN
 from plumbline.harness.findings.tables.recorded import joint_errors
 from plumbline.harness.intake import user_cache
-from plumbline.harness.intake.error import PlumblineError
-from plumbline.harness.intake.refusal import RobotError
+from plumbline.harness.intake.error import PlumblineError, RobotError
 from plumbline.harness.run.cluster.cells import Answered
 from plumbline.harness.run.cluster.workplace import _stored
 from plumbline.harness.run.fork_servers import Origin

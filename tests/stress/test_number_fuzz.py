@@ -29,8 +29,8 @@ SOUND = tuple(
         "sound_files/lidar.toml",
     )
 )
-EXAMPLES = 334
-"""Of each of six files: 2004 in all."""
+EXAMPLES, MANY = 84, 3340
+"""Of each of six files: 504 in all, and 20 040 in the long test."""
 PROGRAM_DEATHS = 12
 """Processes that one file may take down before the test gives up."""
 
@@ -74,8 +74,8 @@ def test_every_number_may_be_any_number(sound: Path, ledger: Page, tmp_path: Pat
 @pytest.mark.slow
 @pytest.mark.timeout(3600)
 @pytest.mark.parametrize("sound", SOUND, ids=lambda path: path.name)
-def test_every_number_may_be_ten_times_as_many(sound: Path, ledger: Page, tmp_path: Path) -> None:
-    judge(sound, 10 * EXAMPLES, ledger, tmp_path / "note")
+def test_every_number_may_be_any_number_many_times(sound: Path, ledger: Page, tmp_path: Path) -> None:
+    judge(sound, MANY, ledger, tmp_path / "note")
 
 
 @pytest.mark.parametrize(

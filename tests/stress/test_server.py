@@ -333,14 +333,14 @@ def test_a_page_that_cannot_be_made_is_said_so_in_text(folder: Path, tmp_path: P
 
     from plumbline.harness.store.store import Store
     from plumbline.reports.server import site
-    from plumbline.reports.server.request import Request
+    from plumbline.reports.server.request import PageRequest
 
     hostile = site.Site(Store(folder))
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(site, "front_page", lambda _store: 1 / 0)
         # In a thread: another test's browser may have left an event loop to this one.
         with ThreadPoolExecutor(1) as pool:
-            answer = pool.submit(lambda: asyncio.run(hostile.answer(Request("/", True)))).result()
+            answer = pool.submit(lambda: asyncio.run(hostile.answer(PageRequest("/", True)))).result()
     hostile.close()
     assert answer.status == 500
     assert answer.kind.startswith("text/plain")

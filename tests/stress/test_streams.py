@@ -11,8 +11,7 @@ from click.testing import CliRunner
 
 from plumbline.harness.cli.guard import check_words
 from plumbline.harness.cli.main import main
-from plumbline.harness.findings.vendor.finding import Finding
-from plumbline.harness.findings.vendor.still_there import ask
+from plumbline.harness.findings.vendor_findings import Finding, ask
 from plumbline.harness.store.journal import Journal
 from plumbline.harness.store.store import Store
 from plumbline.reports.paper.printing import NotPrinted, _is_pdf, print_report

@@ -20,9 +20,8 @@ from plumbline.harness.case import Case
 from plumbline.harness.history import folder, night_policy
 from plumbline.harness.history import night as night_module
 from plumbline.harness.history.folder import opened
-from plumbline.harness.history.gate import reasons, without_answers
-from plumbline.harness.history.night_policy import Asked
-from plumbline.harness.history.sentences import open_since
+from plumbline.harness.history.night_policy import NightWish
+from plumbline.harness.history.sentences import open_since, reasons, without_answers
 from plumbline.harness.run import campaign, resume
 from plumbline.harness.store.machine_fingerprint import fingerprint
 from plumbline.harness.store.record import Record
@@ -158,7 +157,7 @@ class Planted:
     nights: Sequence[Callable[[], AbstractContextManager[Any]]]
     codes: Sequence[int]
     says: dict[int, str]
-    asks: dict[int, Callable[[], Asked]] | None = None
+    asks: dict[int, Callable[[], NightWish]] | None = None
     share: float = 0.0
     killed: tuple[int, ...] = ()
 

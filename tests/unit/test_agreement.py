@@ -14,7 +14,7 @@ from plumbline.harness.findings.agreement.values import Agreement, Side
 from plumbline.harness.findings.agreement.words import JOINTED, STILL, present_words, scene_words, side_sentence
 from plumbline.harness.scene import Body, Drive, Revolute, Scene
 from plumbline.harness.search.own_limits import OwnLimit, Rung, own_limit
-from plumbline.harness.statistics.convergence import Convergence, convergence
+from plumbline.harness.statistics.richardson import Convergence, convergence
 from plumbline.harness.trajectory import Trajectory
 from plumbline.harness.trajectory.parting import apart, extent
 from tests.own_limits import (

@@ -6,12 +6,12 @@ from typing import Any
 import pytest
 
 from plumbline.harness.adapter.trade_off import TradeOff, check_named
-from plumbline.harness.search.better import Question, Run, compared, run_of
+from plumbline.harness.search.dominance import Question, RunFigures, compared, run_of
 
 QUESTION = Question("error", 1.0, frozenset({"height"}))
 
 
-def run(*checks: tuple[str, float, float], status: str = "passed", off: float = 0.0) -> Run:
+def run(*checks: tuple[str, float, float], status: str = "passed", off: float = 0.0) -> RunFigures:
     """A run by its checks: metric, value and bound."""
 
     def row(metric: str, value: float, bound: float) -> dict[str, Any]:

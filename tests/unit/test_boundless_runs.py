@@ -10,7 +10,7 @@ from plumbline.harness.case.scene_file import own_case
 from plumbline.harness.cli.main import main
 from plumbline.harness.intake.allowance import allowing
 from plumbline.harness.study.foreseen_cost import too_many_steps
-from plumbline.harness.study.own_scene import study_of
+from plumbline.harness.study.study import study_of
 
 ARM = Path(__file__).parents[2] / "examples" / "arm.urdf"
 HEAD = 'name = "s"\n[[experiments]]\nname = "e"\ncases = ["{case}"]\ntiming = false\n'

@@ -8,10 +8,9 @@ from typing import Any
 import pandas as pd
 import pytest
 
-from plumbline.harness.findings.causes import CaseResult, causes
-from plumbline.harness.findings.margins import Margin, margins
-from plumbline.harness.findings.vendor.finding import Finding
-from plumbline.harness.store.notices import StoredNotice
+from plumbline.harness.findings.causes import CaseResult, Margin, causes, margins
+from plumbline.harness.findings.vendor_findings import Finding
+from plumbline.harness.store.record import StoredNotice
 from plumbline.harness.store.store import Store
 from plumbline.reports.tables.verdicts import margin_words
 from plumbline.reports.words.text import TIMES

@@ -14,11 +14,10 @@ from click.testing import CliRunner
 
 from plumbline.harness.cli.main import main
 from plumbline.harness.findings.changes import Change, Changes, compare
-from plumbline.harness.findings.changes.comment import LONGEST_COMMENT, comment
-from plumbline.harness.findings.changes.files import changes_files
+from plumbline.harness.findings.changes.files import LONGEST_COMMENT, changes_files, comment
 from plumbline.harness.findings.changes.values import ComparedRun, heaviest_first
 from plumbline.harness.findings.changes.words import command, headline, sentence
-from plumbline.harness.store.notices import StoredNotice
+from plumbline.harness.store.record import StoredNotice
 from plumbline.harness.store.store import Store
 from tests.two_runs import Planted, write_two_runs
 

@@ -7,8 +7,8 @@ import pytest
 from click.testing import CliRunner, Result
 
 from plumbline.harness.cli.main import main
+from plumbline.harness.intake.error import RobotError
 from plumbline.harness.intake.import_wishes import DROPPABLE
-from plumbline.harness.intake.refusal import RobotError
 from plumbline.harness.scene.file import load, parse
 from plumbline.harness.scene.importers.companion import load_companion
 from plumbline.harness.store.imported_scenes import fidelity_of, keep, unsound

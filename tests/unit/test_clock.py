@@ -18,8 +18,7 @@ import pytest
 from plumbline.harness.adapter import Settings
 from plumbline.harness.run import timed_processes as clockwork
 from plumbline.harness.run.fork_servers import Origin, start
-from plumbline.harness.run.interrupt import TimeIsUp, until
-from plumbline.harness.run.memory_watch import MemoryWatch
+from plumbline.harness.run.interrupt import MemoryWatch, TimeIsUp, until
 from plumbline.harness.run.message import Inbox
 from plumbline.harness.run.timed_processes import Clocked, Ready, Team, joined
 from plumbline.harness.run.timing_protocol import clock_group, summarise

@@ -12,8 +12,8 @@ import pytest
 from plumbline.harness.adapter import Unavailable
 from plumbline.harness.case.commands import acting
 from plumbline.harness.case.forces import Control, Controlled
+from plumbline.harness.intake.error import RobotError
 from plumbline.harness.intake.import_wishes import Wishes
-from plumbline.harness.intake.refusal import RobotError
 from plumbline.harness.scene import Body, Drive, Effect, Motion, Revolute, Samples, Scene, SceneError, Sinusoid, sampled
 from plumbline.harness.scene.file import dump_json, dump_toml, parse
 from plumbline.harness.scene.importers.commands import load_commands

@@ -7,8 +7,8 @@ import pinocchio as pin
 import pytest
 
 from plumbline.harness.conformance.multibody import Multibody, matrix
-from plumbline.harness.conformance.pairs import DURATION, NOUNS, RUNGE_KUTTA, STEP, WRENCHES, Pair, Plan, all_pairs, task
-from plumbline.harness.conformance.runs import ROUNDING
+from plumbline.harness.conformance.pairs import DURATION, NOUNS, RUNGE_KUTTA, STEP, WRENCHES, Pair, PairPlan, all_pairs, task
+from plumbline.harness.conformance.room import ROUNDING
 from plumbline.harness.scene import WORLD, Ball, Body, Distance, Limits, Prismatic, Revolute, Scene
 
 PAIRS = [pair for _, pairs in all_pairs() for pair in pairs if not any(noun.name == "prescribed body" for noun in pair.nouns)]
@@ -26,7 +26,7 @@ def _inertia(body: Body, about: np.ndarray) -> pin.Inertia:
     return pin.Inertia(body.mass, np.array(body.p_WB) - about, R @ np.array(body.inertia) @ R.T)
 
 
-def by_pinocchio(plan: Plan, scene: Scene) -> np.ndarray:
+def by_pinocchio(plan: PairPlan, scene: Scene) -> np.ndarray:
     """v' and w' of all bodies (n, 6) at time 0, by the articulated-body algorithm; all joint frames are parallel to W there."""
     model = pin.Model()
     model.gravity.linear = np.array(scene.gravity)

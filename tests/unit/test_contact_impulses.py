@@ -7,7 +7,7 @@ from plumbline.harness.metric.contact_impulses import STAMPS, forces_between
 from plumbline.harness.scene import Body, PlacedShape, Plane, Scene, Sphere, Surface
 from plumbline.harness.study import plugins
 from plumbline.harness.trajectory.pace import Pace
-from plumbline.harness.trial.paced import paced
+from plumbline.harness.trial.equivalent_runs import paced
 from plumbline.harness.trial.simulate import simulate
 
 DT, G, MASS, RADIUS = 1 / 240, 9.81, 2.0, 0.1

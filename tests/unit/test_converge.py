@@ -16,8 +16,7 @@ from plumbline.harness.scene import Body, Box, PlacedShape, Plane, Scene, Sphere
 from plumbline.harness.statistics.richardson import extrapolate
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.trial.accuracy import judge
-from plumbline.harness.trial.converged_truth import converged, ladder
-from plumbline.harness.trial.truth_cache import LONG, bounded, truth_of
+from plumbline.harness.trial.truth_cache import LONG, bounded, converged, ladder, truth_of
 
 G = 9.81
 SAMPLES = np.arange(31) / 60

@@ -13,8 +13,7 @@ from plumbline.harness.findings.summary import summaries
 from plumbline.harness.history.answer_store import Pool
 from plumbline.harness.history.folder import History, opened
 from plumbline.harness.history.regressions import read_trends
-from plumbline.harness.history.retention import prune, pruning
-from plumbline.harness.history.verify_history import problems_of
+from plumbline.harness.history.retention import problems_of, prune, pruning
 from plumbline.harness.run import verify
 from plumbline.harness.store import disk
 from plumbline.harness.store.journal import Journal
@@ -28,7 +27,7 @@ from tests.unit.test_history_news import FILE
 @pytest.fixture
 def words(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> list[str | Path]:
     """A night of four answers of one engine, in h."""
-    monkeypatch.setattr("plumbline.harness.findings.vendor.finding.shelf", tuple)
+    monkeypatch.setattr("plumbline.harness.findings.vendor_findings.shelf", tuple)
     (tmp_path / "few.toml").write_text(FILE)
     return ["nightly", "--history", tmp_path / "h", "--study", tmp_path / "few.toml", "--engine", "mujoco", "--no-report"]
 

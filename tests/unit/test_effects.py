@@ -14,7 +14,7 @@ import pytest
 from plumbline.harness.adapter import Adapter, Diverged
 from plumbline.harness.case import Case, Check
 from plumbline.harness.case.alteration import EVERYTHING, FINER, Alteration
-from plumbline.harness.case.own_titles import called
+from plumbline.harness.case.undropped import called
 from plumbline.harness.cli.minimal_scene import write_minimal
 from plumbline.harness.findings.effects_audit import NOT_JUDGED, audit, idle, savings
 from plumbline.harness.findings.tables.effects import TABLE, EffectVerdict, sentences, verdicts

@@ -10,8 +10,7 @@ from plumbline.harness.scene import Body, Drive, Prismatic, Revolute, Scene
 from plumbline.harness.scene.joint import Limits
 from plumbline.harness.trajectory import State
 from plumbline.harness.trajectory.pace import Pace
-from plumbline.harness.trial.energy_limit import TIMES, TIMES_UNLIMITED, EnergyLimit
-from plumbline.harness.trial.simulate import simulate
+from plumbline.harness.trial.simulate import TIMES, TIMES_UNLIMITED, EnergyLimit, simulate
 
 BALL = Scene(bodies=(Body.ball("ball", 0.1, 2.0, touches=False, v_WB=(3.0, 0.0, 0.0)),))
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from plumbline.harness.adapter import Adapter, Extra
-from plumbline.harness.findings.samples import ratio_in_blocks, samples_by_block
+from plumbline.harness.findings.cost_point import ratio_in_blocks, samples_by_block
 from plumbline.harness.run.campaign import carry_out
 from plumbline.harness.run.fork_servers import Origin, start
 from plumbline.harness.run.make_environment import ensure

@@ -12,9 +12,19 @@ from pathlib import Path
 
 import pytest
 
-from plumbline.harness.findings.vendor.finding import FOLDER, Finding, FindingError, chosen, read_finding, shelf
-from plumbline.harness.findings.vendor.issue_text import issue_text
-from plumbline.harness.findings.vendor.still_there import ScriptAnswer, ask, ask_all, ask_mended
+from plumbline.harness.findings.vendor_findings import (
+    FOLDER,
+    Finding,
+    FindingError,
+    ScriptAnswer,
+    ask,
+    ask_all,
+    ask_mended,
+    chosen,
+    issue_text,
+    read_finding,
+    shelf,
+)
 from plumbline.harness.study.plugins import names
 from tests.conftest import Command
 

@@ -17,10 +17,9 @@ from plumbline.harness.history import night_policy
 from plumbline.harness.history.blocks import last_to_see
 from plumbline.harness.history.changes_since import EARLIER, News
 from plumbline.harness.history.folder import opened, stamp_of
-from plumbline.harness.history.gate import reasons
 from plumbline.harness.history.regressions import read_trends
 from plumbline.harness.history.retention import prune, pruning
-from plumbline.harness.history.sentences import open_since
+from plumbline.harness.history.sentences import open_since, reasons
 from plumbline.harness.run import campaign
 from plumbline.harness.run.timing_protocol import summarise
 from plumbline.harness.store.machine_fingerprint import fingerprint
@@ -183,7 +182,7 @@ def test_a_fault_does_not_hide_behind_the_crash_before_it(root: Path) -> None:
 def test_an_engine_that_crashes_from_its_first_night_on_fails_its_gate_every_night(
     tmp_path: Path, printed: Command, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("plumbline.harness.findings.vendor.finding.shelf", tuple)
+    monkeypatch.setattr("plumbline.harness.findings.vendor_findings.shelf", tuple)
     study = tmp_path / "few.toml"
     study.write_text(FILE)
     words = ["nightly", "--history", tmp_path / "h", "--study", study, "--no-report", "--gate", "mujoco"]
@@ -221,7 +220,7 @@ def restless(slow: Mapping[str, float], times: list[str], calm_after: int = 10**
 def test_what_could_not_be_judged_is_said_and_an_unstable_price_that_is_dearer_is_named_as_unconfirmed(
     tmp_path: Path, printed: Command, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("plumbline.harness.findings.vendor.finding.shelf", tuple)
+    monkeypatch.setattr("plumbline.harness.findings.vendor_findings.shelf", tuple)
     study = tmp_path / "few.toml"
     study.write_text(FILE)
     words = ["nightly", "--history", tmp_path / "h", "--study", study, "--no-report", "--gate", "reference"]

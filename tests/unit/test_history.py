@@ -12,13 +12,10 @@ import pytest
 from plumbline.harness.history import night_policy
 from plumbline.harness.history.answer_store import Pool
 from plumbline.harness.history.budget import bytes_of
-from plumbline.harness.history.folder import created, opened
-from plumbline.harness.history.listing import COLUMNS, rows
-from plumbline.harness.history.lock import locked
-from plumbline.harness.history.night_policy import AGAIN, Asked, computed_again
+from plumbline.harness.history.folder import created, locked, opened
+from plumbline.harness.history.night_policy import AGAIN, NightWish, computed_again
 from plumbline.harness.history.remote_storage import copy_of
-from plumbline.harness.history.retention import prune, pruning
-from plumbline.harness.history.verify_history import problems_of
+from plumbline.harness.history.retention import COLUMNS, problems_of, prune, pruning, rows
 from plumbline.harness.run import campaign
 from plumbline.harness.store.journal import StoreError, read_journal
 from tests.conftest import Command
@@ -45,7 +42,7 @@ def test_a_twentieth_of_the_known_answers_is_computed_again_and_the_same_one_for
     assert again != [name for name in names if computed_again(name, "another night")]
 
 
-def kill_behind_three_answers(root: Path, wanted: Asked) -> None:
+def kill_behind_three_answers(root: Path, wanted: NightWish) -> None:
     """Let a night with a fault in our engine die once it has written down three answers."""
     child = os.fork()
     if child == 0:

@@ -4,8 +4,8 @@ import math
 
 import pytest
 
+from plumbline.harness.history.blocks import Plan
 from plumbline.harness.history.budget import CLOSING, MARGIN, UNKNOWN, Budget
-from plumbline.harness.history.plan import Plan
 
 THREE = ((1155, 79.0), (2910, 98.0), (4248, 90.0))
 """As three nights on two loaded cores."""

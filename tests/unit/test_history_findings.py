@@ -2,9 +2,8 @@
 
 import math
 
-from plumbline.harness.findings.vendor.finding import Finding, shelf
-from plumbline.harness.findings.vendor.still_there import SECONDS, ScriptAnswer, ScriptVerdict
-from plumbline.harness.history.known_findings import asked_again, turned
+from plumbline.harness.findings.vendor_findings import SECONDS, Finding, ScriptAnswer, ScriptVerdict, shelf
+from plumbline.harness.history.changes_since import asked_again, turned
 from plumbline.harness.history.sentences import summary
 
 EVERY = shelf()

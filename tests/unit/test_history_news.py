@@ -13,13 +13,13 @@ import numpy as np
 import pytest
 
 from plumbline.harness.findings.changes.words import command, sentence
-from plumbline.harness.findings.vendor.finding import shelf
+from plumbline.harness.findings.vendor_findings import shelf
 from plumbline.harness.history.folder import opened, stamp_of
 from plumbline.harness.history.identity import Named, acknowledge, change_id
-from plumbline.harness.history.night_policy import Asked
+from plumbline.harness.history.night_policy import NightWish
 from plumbline.harness.history.regressions import read_trends
+from plumbline.harness.history.retention import problems_of
 from plumbline.harness.history.sentences import unanswered_in_short, worse_in_short
-from plumbline.harness.history.verify_history import problems_of
 from plumbline.harness.run import campaign
 from plumbline.harness.run.interrupt import TimeIsUp, naming
 from plumbline.harness.store.journal import Journal, read_journal
@@ -37,7 +37,7 @@ def root(first_night: Path, tmp_path: Path) -> Path:
     return Path(shutil.copytree(first_night, tmp_path / "h"))
 
 
-def few() -> Asked:
+def few() -> NightWish:
     """The first experiment of the study alone: half of its answers."""
     return asked(replace(STUDY, experiments=STUDY.experiments[:1]))
 
@@ -144,7 +144,7 @@ def test_the_command_ends_with_one_where_a_gated_engine_is_worse_and_gives_the_s
     # Each finding about an engine is a process a night: one of them in one night shows that nights ask.
     finding = next(each for each in shelf() if each.engine == "mujoco")
     on_the_shelf = iter([(), (finding,), ()])
-    monkeypatch.setattr("plumbline.harness.findings.vendor.finding.shelf", lambda: next(on_the_shelf))
+    monkeypatch.setattr("plumbline.harness.findings.vendor_findings.shelf", lambda: next(on_the_shelf))
     study, root, mail = tmp_path / "few.toml", tmp_path / "h", tmp_path / "mail"
     study.write_text(FILE)
     words = ["nightly", "--history", root, "--study", study, "--engine", "mujoco", "--no-report"]

@@ -3,9 +3,8 @@
 from dataclasses import replace
 from pathlib import Path
 
-from plumbline.harness.history.blocks import Block, Seen, Sight
+from plumbline.harness.history.blocks import Block, NightSight, Plan, Seen
 from plumbline.harness.history.folder import Night
-from plumbline.harness.history.plan import Plan
 from tests.unit.test_campaign import trials
 
 
@@ -16,7 +15,7 @@ def block(case: str) -> Block:
 
 def seen(case: str, stamp: str, seconds: float, *, changed: bool = False, troubled: bool = False) -> Seen:
     """A block that took so long to compute, half as long to clock."""
-    sight = Sight(
+    sight = NightSight(
         experiment="plain",
         case=case,
         digest="another" if changed else block(case).digest,

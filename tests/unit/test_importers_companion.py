@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from plumbline.harness.intake.error import RobotError
 from plumbline.harness.intake.import_wishes import Wishes, package_roots
-from plumbline.harness.intake.refusal import RobotError
 from plumbline.harness.scene import Drive, Surface
 from plumbline.harness.scene.file import dump_toml, parse
 from plumbline.harness.scene.importers.companion import Companion, Ground, JointWish, load_companion

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
+from plumbline.harness.intake.error import RobotError
 from plumbline.harness.intake.near_miss import edit_distance, misspelt
-from plumbline.harness.intake.refusal import RobotError
 from tests.robot_files import INERTIAL, LIMIT, imported, row, urdf
 
 BALL = '<geometry><sphere radius=".1"/></geometry>'

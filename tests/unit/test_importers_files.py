@@ -8,7 +8,7 @@ import pytest
 from scipy.spatial import ConvexHull as Qhull
 
 from plumbline.harness.intake.allowance import DEEPEST, Allowance, AllowanceError, allowing, raised
-from plumbline.harness.intake.refusal import RobotError
+from plumbline.harness.intake.error import RobotError
 from plumbline.harness.scene import ConvexHull
 from plumbline.harness.scene.importers import mjcf as importer
 from plumbline.harness.scene.importers.companion import Companion

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from plumbline.harness.intake.refusal import RobotError
+from plumbline.harness.intake.error import RobotError
 from plumbline.harness.scene import (
     Ball,
     Body,

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from plumbline.harness.case.undropped import kinds_left_out
-from plumbline.harness.intake.refusal import RobotError
+from plumbline.harness.intake.error import RobotError
 from plumbline.harness.scene import (
     Ball,
     Distance,

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from plumbline.harness.intake.error import RobotError
 from plumbline.harness.intake.import_wishes import Wishes
-from plumbline.harness.intake.refusal import RobotError
 from plumbline.harness.scene import Camera, DepthCamera, Imu, Lidar, Prismatic, Revolute, rotate
 from plumbline.harness.scene.importers.companion import Companion, Ground
 from plumbline.harness.scene.importers.imported import Imported

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from plumbline.harness.intake.refusal import RobotError
+from plumbline.harness.intake.error import RobotError
 from plumbline.harness.scene.importers import stand_ins
 from plumbline.harness.scene.importers.companion import Companion, Massless
 from tests.joint_space import JointSpace

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from plumbline.harness.intake.error import RobotError
 from plumbline.harness.intake.import_wishes import Wishes
-from plumbline.harness.intake.refusal import RobotError
 from plumbline.harness.scene import Box, ConvexHull, Coupling, Prismatic, Revolute
 from plumbline.harness.scene.importers import reading
 from plumbline.harness.scene.importers.companion import Companion, Drives, JointWish, Massless

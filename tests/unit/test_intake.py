@@ -16,7 +16,7 @@ from plumbline.harness.intake.safe_text import quoted, readable
 from plumbline.harness.store.journal import StoreError
 from plumbline.harness.store.store import Store
 from plumbline.harness.study.catalogue import describe_case
-from plumbline.harness.study.stored_study import experiments_of
+from plumbline.harness.study.experiment import experiments_of
 from tests.run_folder import write_run_folder
 
 

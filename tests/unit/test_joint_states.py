@@ -7,7 +7,7 @@ import pytest
 
 from plumbline.harness.adapter.joints import joints_of
 from plumbline.harness.adapter.what_comes_out import Answering, BrokenContract
-from plumbline.harness.conformance.runs import built, record
+from plumbline.harness.conformance.room import built, record
 from plumbline.harness.scene import WORLD, Ball, Body, Distance, Prismatic, Revolute, Scene, Spring, axis_angle
 from plumbline.harness.trajectory import State
 from plumbline.harness.trajectory.joint_states import JointStates, joint_states

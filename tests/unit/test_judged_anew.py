@@ -12,8 +12,7 @@ from plumbline.harness.adapter import Adapter
 from plumbline.harness.case import Case
 from plumbline.harness.case.alteration import Alteration
 from plumbline.harness.metrics.errors import position_error_max
-from plumbline.harness.store.notices import StoredNotice
-from plumbline.harness.store.record import Record
+from plumbline.harness.store.record import Record, StoredNotice
 from plumbline.harness.study import plugins
 from plumbline.harness.study.experiment import Experiment
 from plumbline.harness.study.trial import Trial

@@ -5,10 +5,9 @@ from typing import Any
 
 import pytest
 
-from plumbline.harness.findings.leads import axis_leads, pair_leads, reaches
 from plumbline.harness.findings.limits_found import CONSTANT, Hold, Search, Signs
 from plumbline.harness.findings.prices import Prices
-from plumbline.harness.findings.standing import leaders
+from plumbline.harness.findings.standing import axis_leads, leaders, pair_leads, reaches
 from plumbline.harness.findings.tables import limits, steps
 from tests.unit.test_prices import Priced, Told, ladder
 

@@ -14,18 +14,24 @@ from plumbline.harness.case.starts import TOLERANCE, member
 from plumbline.harness.metric import Metric, NotMeasurable
 from plumbline.harness.metrics.errors import divergence
 from plumbline.harness.scene import Body, Effect, PlacedShape, Scene, Sphere
-from plumbline.harness.search.along_axis import Point, extreme_untried, unchanged
-from plumbline.harness.search.first_break import Ruler, bracket, next_trials, next_value, value_of
-from plumbline.harness.search.remedies import remedied
-from plumbline.harness.store.notices import StoredNotice, short_of
-from plumbline.harness.store.record import Record
-from plumbline.harness.study.axes import axis_of
-from plumbline.harness.study.experiment import Experiment, Limit, StudyError
+from plumbline.harness.search.first_break import (
+    ErrorAt,
+    Ruler,
+    bracket,
+    extreme_untried,
+    next_trials,
+    next_value,
+    remedied,
+    unchanged,
+    value_of,
+)
+from plumbline.harness.store.record import Record, StoredNotice, short_of
+from plumbline.harness.study.experiment import Experiment, Limit, StudyError, axis_of
 from plumbline.harness.study.study import Study
 from plumbline.harness.study.trial import Trial
 from plumbline.harness.trajectory import State
+from plumbline.harness.trial.beside_tuned import idle_turns, is_surveyed
 from plumbline.harness.trial.ensemble import BROKE_BY, HEADLINE, HELD, OWN_CHECKS, endure
-from plumbline.harness.trial.idle_knobs import idle_turns, is_surveyed
 
 EASY, EXTREME, FRAY = 1.0, 1e4, 0.05
 """Ends of the axis; starts break up to so much below the limit, each by its own."""
@@ -345,21 +351,21 @@ def test_what_broke_is_named_by_the_headline_and_the_own_checks_are_said_beside(
     assert {one.metric: one.value for one in broken.measurements}[BROKE_BY + "made"] == 1.0
 
 
-CONSTANT = (Point(1.0, 0.167, 0.3), Point(8.0, 0.31, 0.3), Point(1e6, 0.333, 0.3))
+CONSTANT = (ErrorAt(1.0, 0.167, 0.3), ErrorAt(8.0, 0.31, 0.3), ErrorAt(1e6, 0.333, 0.3))
 """MuJoCo's head-on pairs along their mass ratio: 0.333 r/(1 + r), which cannot double from r = 1 on."""
 
 
 def test_an_error_that_has_not_doubled_is_a_constant_and_one_that_has_is_a_matter_of_the_axis() -> None:
     assert unchanged(CONSTANT, 1.0, 1e6)
-    assert not unchanged((*CONSTANT[:2], Point(1e6, 0.34, 0.3)), 1.0, 1e6)
+    assert not unchanged((*CONSTANT[:2], ErrorAt(1e6, 0.34, 0.3)), 1.0, 1e6)
     assert not unchanged(CONSTANT[:2], 1.0, 1e6), "the extreme is unknown"
-    assert not unchanged((Point(1.0, 0.0, 0.3), CONSTANT[2]), 1.0, 1e6), "nothing at the easy end"
+    assert not unchanged((ErrorAt(1.0, 0.0, 0.3), CONSTANT[2]), 1.0, 1e6), "nothing at the easy end"
 
 
 def test_the_extreme_is_tried_where_the_first_value_that_broke_errs_hardly_more_than_the_easy_end() -> None:
     assert extreme_untried(CONSTANT[:2], 1.0, 8.0, 1e6)
     assert not extreme_untried(CONSTANT, 1.0, 8.0, 1e6)
-    assert not extreme_untried((Point(1.0, 0.1, 0.3), CONSTANT[1]), 1.0, 8.0, 1e6)
+    assert not extreme_untried((ErrorAt(1.0, 0.1, 0.3), CONSTANT[1]), 1.0, 8.0, 1e6)
     assert not extreme_untried((), 1.0, 8.0, 1e6), "no axis is about an error"
 
 

@@ -8,8 +8,8 @@ import pytest
 
 from plumbline.harness.adapter import Unsupported
 from plumbline.harness.adapter.mass_points import with_inertia
-from plumbline.harness.conformance.runs import built
-from plumbline.harness.intake.refusal import RobotError
+from plumbline.harness.conformance.room import built
+from plumbline.harness.intake.error import RobotError
 from plumbline.harness.scene import (
     WORLD,
     Ball,

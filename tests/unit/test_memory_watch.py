@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from plumbline.harness.adapter import Settings
-from plumbline.harness.run import isolated, memory_watch
-from plumbline.harness.run.memory_watch import MemoryWatch, kills_for_memory
+from plumbline.harness.run import interrupt, isolated
+from plumbline.harness.run.interrupt import MemoryWatch, kills_for_memory
 from plumbline.harness.study.experiment import Experiment
 from plumbline.harness.study.trial import Trial
 
@@ -58,7 +58,7 @@ def test_the_systems_counts_are_added_and_one_that_is_not_there_is_none(
 ) -> None:
     (tmp_path / "vmstat").write_text("pgfault 17\noom_kill 3\nswap_ra 0\n")
     (tmp_path / "events").write_text("low 0\nmax 9\noom 2\noom_kill 1\noom_group_kill 0\n")
-    monkeypatch.setattr(memory_watch, "_COUNTS", [str(tmp_path / name) for name in ("vmstat", "events", "nowhere")])
+    monkeypatch.setattr(interrupt, "_COUNTS", [str(tmp_path / name) for name in ("vmstat", "events", "nowhere")])
     assert kills_for_memory() == 4
 
 

@@ -39,7 +39,7 @@ from plumbline.harness.scene import (
 )
 from plumbline.harness.sensors.depth_camera import answer
 from plumbline.harness.sensors.seeds import generator
-from plumbline.harness.sensors.true_frames import true_frames, true_sight
+from plumbline.harness.sensors.true_views import true_frames, true_sight
 from plumbline.harness.trajectory import Floats, State, Trajectory
 
 FALSE_ALARM = 5.0

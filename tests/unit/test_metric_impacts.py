@@ -18,7 +18,7 @@ from plumbline.harness.metrics.passage import (
     sink_depth,
 )
 from plumbline.harness.scene import Body, Box, Capsule, PlacedShape, Plane, Scene, Sphere, Surface, axis_angle
-from plumbline.harness.statistics.proportion import wilson_interval
+from plumbline.harness.statistics.student import wilson_interval
 from plumbline.harness.trajectory import Trajectory
 
 TIME = np.linspace(0.0, 1.0, 11)

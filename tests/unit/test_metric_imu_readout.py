@@ -10,7 +10,7 @@ from plumbline.cases.sensor_imu_readout import ACCELEROMETER, GYROSCOPE, MOUNTIN
 from plumbline.harness.metric import NotMeasurable
 from plumbline.harness.metrics.readings import inertial_readout_error
 from plumbline.harness.scene import AxisNoise
-from plumbline.harness.sensors.imu_errors import read_out, sensed
+from plumbline.harness.sensors.imu import read_out, sensed
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.trajectory.kinematics import rotate_back
 

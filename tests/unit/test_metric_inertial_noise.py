@@ -20,7 +20,7 @@ from plumbline.harness.metrics.inertial_noise import (
 )
 from plumbline.harness.metrics.readings import accelerometer_ideal_error, gyroscope_ideal_error
 from plumbline.harness.scene import AxisNoise, Body, Imu, ImuNoise, Scene
-from plumbline.harness.sensors.imu_noise import axis_noise, three_axes
+from plumbline.harness.sensors.imu import axis_noise, three_axes
 from plumbline.harness.trajectory import Floats, Trajectory
 
 RATE, COUNT = 120.0, 12_000

@@ -19,7 +19,7 @@ from plumbline.harness.metrics.ranges import (
     range_spread_score,
 )
 from plumbline.harness.scene import Body, Lidar, LidarNoise, Scene
-from plumbline.harness.sensors.lidar_noise import noisy
+from plumbline.harness.sensors.lidar import noisy
 from plumbline.harness.trajectory import Floats, Trajectory
 
 LAW = LidarNoise(range_sigma=0.02, range_sigma_slope=0.002, dropout=0.05)

@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from plumbline.cases import sensor_streams
 from plumbline.harness.metric import NotMeasurable, Run
-from plumbline.harness.metric.inertial_residual import inertial_residual
+from plumbline.harness.metric.noise_scores import inertial_residual
 from plumbline.harness.metrics.inertial_noise import (
     difference_spectrum,
     inertial_correlation_score,
@@ -27,8 +27,7 @@ from plumbline.harness.metrics.readings import (
     time_stamp_error,
 )
 from plumbline.harness.scene import AxisNoise, Body, Imu, ImuNoise, Lidar, Scene, axis_angle
-from plumbline.harness.sensors.imu_errors import read_out, sensed
-from plumbline.harness.sensors.imu_noise import three_axes
+from plumbline.harness.sensors.imu import read_out, sensed, three_axes
 from plumbline.harness.trajectory import Floats, Trajectory
 
 RATE, COUNT = 100.0, 20_000

@@ -9,7 +9,7 @@ from scipy.stats import binomtest
 from plumbline.harness.metric import NotMeasurable
 from plumbline.harness.metrics.passage import stop_gap, tunnel_probability, tunnel_probability_high, tunnel_probability_low
 from plumbline.harness.scene import Body, Box, PlacedShape, Scene, Sphere, Surface, axis_angle, rotate
-from plumbline.harness.statistics.proportion import Z_95, wilson_interval
+from plumbline.harness.statistics.student import Z_95, wilson_interval
 from plumbline.harness.trajectory import Trajectory
 
 METRICS = (tunnel_probability, tunnel_probability_low, tunnel_probability_high, stop_gap)

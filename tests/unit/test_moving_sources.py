@@ -100,7 +100,7 @@ def test_what_a_scene_of_ones_own_moves_and_senses_by_is_in_the_digest_of_its_mo
     path.write_text(dump_toml(Scene(bodies=(ground, ball), surfaces=(Surface(),), sensors=sensors)))
     case = shortened(own_case(path, plugins.SCENE_PREFIX))
     seen = at_work(case, "mujoco", Alteration())
-    assert {"harness/trial/readings_due.py", "harness/sensors/recorder.py"} <= seen
+    assert {"harness/trial/answer.py", "harness/sensors/recorder.py"} <= seen
     assert seen <= moving(case.name, "mujoco")
 
 

@@ -13,8 +13,7 @@ from plumbline.harness.adapter.what_comes_out import Answering, BrokenContract
 from plumbline.harness.conformance import CHECKS
 from plumbline.harness.scene import Body, Effect, Scene
 from plumbline.harness.store.journal import Journal, read_journal
-from plumbline.harness.store.notices import StoredNotice
-from plumbline.harness.store.record import Record
+from plumbline.harness.store.record import Record, StoredNotice
 from plumbline.harness.store.store import Store
 from plumbline.harness.store.stored_tables import in_order, write_tables
 from plumbline.harness.study import plugins

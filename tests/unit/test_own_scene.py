@@ -11,23 +11,22 @@ from typing import Any
 import numpy as np
 import pytest
 
-from plumbline.harness.case.own_titles import title_of
 from plumbline.harness.case.scene_file import own_case
+from plumbline.harness.case.undropped import title_of
 from plumbline.harness.cli.own_scene import closing_count, closing_words, waiting
 from plumbline.harness.findings import tables
 from plumbline.harness.findings.agreement.costs import best_price, best_setting
 from plumbline.harness.findings.agreement.found import agreements, errors_of
-from plumbline.harness.findings.agreement.happened import happenings
+from plumbline.harness.findings.agreement.happened import happenings, words_so_far
 from plumbline.harness.findings.agreement.perturbed_starts import balances, outlooks
 from plumbline.harness.findings.agreement.setting_causes import Turned, settings_turned
-from plumbline.harness.findings.agreement.so_far import words_so_far
 from plumbline.harness.findings.agreement.values import Side, Word
 from plumbline.harness.findings.agreement.words import cut_words
 from plumbline.harness.findings.prices import Prices
 from plumbline.harness.findings.selection import Wish, choose
 from plumbline.harness.findings.selection.evidence import DECADES_OF_SPEED
 from plumbline.harness.findings.selection.words import headline
-from plumbline.harness.findings.sensor_readings.converged import converged_readings
+from plumbline.harness.findings.sensor_readings.ideal import converged_readings
 from plumbline.harness.run.campaign import carry_out
 from plumbline.harness.scene import Body, Imu, Scene, sphere_inertia
 from plumbline.harness.scene.file import dump_toml, load
@@ -35,8 +34,7 @@ from plumbline.harness.store.journal import read_journal
 from plumbline.harness.store.store import Store
 from plumbline.harness.study import plugins
 from plumbline.harness.study.experiment import Refinement
-from plumbline.harness.study.own_scene import study_of
-from plumbline.harness.study.study import Study
+from plumbline.harness.study.study import Study, study_of
 from plumbline.reports import build, write_recordings
 from plumbline.reports.html import report as html
 from plumbline.reports.page import pages

@@ -18,7 +18,7 @@ from plumbline.harness.trajectory import State, Trajectory
 from plumbline.harness.trajectory.pace import PACES, Pace
 from plumbline.harness.trial.accuracy import run_trial
 from plumbline.harness.trial.answer import answer_of
-from plumbline.harness.trial.paced import paced
+from plumbline.harness.trial.equivalent_runs import paced
 from plumbline.harness.trial.simulate import simulate
 
 DT, G = 1 / 240, 9.81

@@ -19,8 +19,7 @@ from plumbline.harness.scene.file import dump_toml
 from plumbline.harness.store.store import Store
 from plumbline.harness.study import plugins
 from plumbline.harness.study.experiment import Refinement
-from plumbline.harness.study.own_scene import study_of
-from plumbline.harness.study.study import load_study
+from plumbline.harness.study.study import load_study, study_of
 from plumbline.reports.html import report as html
 from plumbline.reports.page import Page, pages
 from tests.in_process import clocked_by, in_this_process

@@ -8,8 +8,8 @@ import pytest
 from click.testing import CliRunner
 
 from plumbline.harness.cli.main import main
+from plumbline.harness.intake.error import RobotError
 from plumbline.harness.intake.import_wishes import Wishes
-from plumbline.harness.intake.refusal import RobotError
 from plumbline.harness.scene.parity.comparison import compare, renamed
 from plumbline.harness.scene.parity.difference import Difference
 from plumbline.harness.scene.parity.motion import Configuration

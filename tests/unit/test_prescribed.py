@@ -13,7 +13,7 @@ from plumbline.harness.adapter.features import features_of
 from plumbline.harness.case.commands import acting, velocities_of
 from plumbline.harness.case.forces import Control, Controlled
 from plumbline.harness.case.symmetries import in_motion, moved, scaled, turned
-from plumbline.harness.conformance.runs import built
+from plumbline.harness.conformance.room import built
 from plumbline.harness.metric import NotMeasurable
 from plumbline.harness.metrics.conservation import energy_change, momentum_drift_max
 from plumbline.harness.scene import (

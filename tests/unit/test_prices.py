@@ -15,8 +15,8 @@ from plumbline.harness.findings.tables import price as price_table
 from plumbline.harness.findings.tables.profile import FACTOR, TABLE, SceneName, hinges, profile, sentences, without
 from plumbline.harness.findings.tables.steps import largest_steps
 from plumbline.harness.search.front import spread
+from plumbline.harness.statistics.bootstrap import ratio
 from plumbline.harness.statistics.pareto import price
-from plumbline.harness.statistics.ratio import ratio
 from plumbline.harness.store.store import Store
 from plumbline.reports.charts.work_precision import drawn
 from tests.run_folder import row, untimed

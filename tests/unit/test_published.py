@@ -8,13 +8,12 @@ import pandas as pd
 import pytest
 
 import plumbline
-from plumbline.harness.findings.beside_published import beside_published
 from plumbline.harness.store import published as room
 from plumbline.harness.store.journal import StoreError
 from plumbline.harness.store.published import MOST_BYTES, NotPublished, publish, published
 from plumbline.harness.store.store import Store
 from plumbline.reports.pages import index
-from plumbline.reports.tables.published import BEGIN, END, in_markdown, published_table
+from plumbline.reports.tables.published import BEGIN, END, beside_published, in_markdown, published_table
 from plumbline.reports.words.catalogue import engines
 from tests.conftest import Command
 from tests.two_runs import write_two_runs

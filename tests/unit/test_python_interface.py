@@ -9,6 +9,7 @@ import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -291,6 +292,17 @@ WRONG: tuple[tuple[Callable[[], Any], str], ...] = (
 def test_wrong_input_raises_one_kind_of_error_that_names_the_value(asks: Callable[[], Any], words: str) -> None:
     with pytest.raises(plumbline.PlumblineError, match=words):
         asks()
+
+
+def test_what_is_refused_is_told_without_the_calls_within(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A traceback is the caller's line: the message stands right below. Developers see all of it."""
+    with pytest.raises(plumbline.PlumblineError) as refused:
+        plumbline.run("nothing.urdf", engine="mujoco")
+    assert len(refused.traceback) == 1
+    monkeypatch.setattr("plumbline.api.arguments.sys", SimpleNamespace(flags=SimpleNamespace(dev_mode=True)))
+    with pytest.raises(plumbline.PlumblineError) as refused:
+        plumbline.run("nothing.urdf", engine="mujoco")
+    assert len(refused.traceback) > 4
 
 
 def test_wrong_questions_to_results_raise_it_too(results: plumbline.Results) -> None:

@@ -5,8 +5,7 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from plumbline.harness.store.notices import StoredNotice
-from plumbline.harness.store.record import Measurement
+from plumbline.harness.store.record import Measurement, StoredNotice
 from plumbline.harness.store.store import Store
 from plumbline.reports.tables.trial_results import answers
 from plumbline.reports.words.reasons import notices, reasons

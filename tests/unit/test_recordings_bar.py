@@ -23,7 +23,7 @@ from plumbline.reports.recordings.bodies import log_moving, poses, sharing
 from plumbline.reports.recordings.pivot import FAR, ROUNDING
 from plumbline.reports.recordings.rotation import Floats, compose
 from plumbline.reports.recordings.sampling import at_instants, shown
-from plumbline.reports.recordings.shapes import Batch, Paint
+from plumbline.reports.recordings.shapes import Paint, ShapeBatch
 from tests.recorded_folder import Read
 
 CASES = plugins.cases()
@@ -86,13 +86,13 @@ def seen_of(case: Case, instants: int = FEWER) -> dict[str, dict[str, Floats]]:
     }
 
 
-def moving_of(case: Case) -> list[Batch]:
+def moving_of(case: Case) -> list[ShapeBatch]:
     """The shapes of a case's bodies that move, as recordings gather them."""
     bodies = json.loads(dump_json(case.scene(case.parameters)))["bodies"]
     return sharing(bodies, [k for k, body in enumerate(bodies) if body["motion"] != "static"])
 
 
-def recorded(path: Path, moving: Sequence[Batch], runs: Mapping[str, Mapping[str, Floats]]) -> Path:
+def recorded(path: Path, moving: Sequence[ShapeBatch], runs: Mapping[str, Mapping[str, Floats]]) -> Path:
     """A recording of the bodies alone: of curves, ways and contacts a run has as many whether one moves or a hundred."""
     rec = rr.RecordingStream("plumbline-poses", send_properties=False)
     rec.set_log_time_enabled(False)

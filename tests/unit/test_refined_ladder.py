@@ -15,10 +15,8 @@ from plumbline.harness.findings.agreement.setting_causes import Turned, cause_wo
 from plumbline.harness.findings.agreement.values import Agreement
 from plumbline.harness.findings.agreement.words import length
 from plumbline.harness.scene import Body, Effect, Scene, sphere_inertia
-from plumbline.harness.search.refined_ladder import next_trials, start_name
-from plumbline.harness.search.setting_turns import candidates
-from plumbline.harness.store.notices import StoredNotice
-from plumbline.harness.store.record import Record
+from plumbline.harness.search.refined_ladder import candidates, next_trials, start_name
+from plumbline.harness.store.record import Record, StoredNotice
 from plumbline.harness.study.experiment import Experiment, Refinement
 from plumbline.harness.study.one_knob import differing
 from plumbline.harness.study.study import Study

@@ -15,7 +15,7 @@ from plumbline.harness.cli.main import main
 from plumbline.harness.cli.own_import import scene_to_run
 from plumbline.harness.findings import tables
 from plumbline.harness.findings.tables.recorded import _answer, _answering, _delayed
-from plumbline.harness.intake.refusal import RobotError
+from plumbline.harness.intake.error import RobotError
 from plumbline.harness.run.campaign import carry_out
 from plumbline.harness.scene import Body, Drive, Prismatic, Revolute, Samples, Scene, Sinusoid
 from plumbline.harness.scene.file import dump_toml, load, parse
@@ -28,8 +28,7 @@ from plumbline.harness.scene.importers.start_pose import started_at
 from plumbline.harness.store.imported_scenes import keep
 from plumbline.harness.study import plugins
 from plumbline.harness.study.experiment import Refinement
-from plumbline.harness.study.own_scene import study_of
-from plumbline.harness.study.study import Study
+from plumbline.harness.study.study import Study, study_of
 from plumbline.harness.trajectory import State
 from plumbline.harness.trajectory.carried_inertia import carried
 from plumbline.harness.trajectory.pace import Pace

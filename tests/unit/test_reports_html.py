@@ -15,7 +15,7 @@ import pytest
 
 from plumbline import reports
 from plumbline.harness.case.alteration import EVERYTHING
-from plumbline.harness.findings.vendor.finding import shelf
+from plumbline.harness.findings.vendor_findings import shelf
 from plumbline.harness.store.journal import StoreError
 from plumbline.harness.store.seal import sealed_toml
 from plumbline.harness.store.store import Store

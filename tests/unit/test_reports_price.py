@@ -9,8 +9,8 @@ from typing import Any
 import pytest
 from markupsafe import escape
 
-from plumbline.harness.findings.leads import pair_leads
 from plumbline.harness.findings.prices import priced
+from plumbline.harness.findings.standing import pair_leads
 from plumbline.harness.findings.tables import price as price_table
 from plumbline.harness.findings.tables.profile import FACTOR, TIME, profile
 from plumbline.harness.findings.tables.steps import StepRange

@@ -3,9 +3,9 @@
 from dataclasses import replace
 from typing import Any
 
-from plumbline.harness.findings.leads import Lead
 from plumbline.harness.findings.limits_found import Search, Signs
-from plumbline.harness.store.notices import StoredNotice
+from plumbline.harness.findings.standing import Lead
+from plumbline.harness.store.record import StoredNotice
 from plumbline.reports.tables.limit_table import cell, standings
 
 BROKEN: Any = Search(

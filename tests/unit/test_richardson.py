@@ -5,9 +5,16 @@ import math
 import numpy as np
 import pytest
 
-from plumbline.harness.statistics.agreement_clusters import camps
-from plumbline.harness.statistics.convergence import Convergence, convergence, horizon, slopes
-from plumbline.harness.statistics.richardson import extrapolate, limit, observed_order
+from plumbline.harness.findings.agreement.judgement import camps
+from plumbline.harness.statistics.richardson import (
+    Convergence,
+    convergence,
+    extrapolate,
+    horizon,
+    limit,
+    observed_order,
+    slopes,
+)
 from plumbline.harness.statistics.student import mean_of
 
 TIME = np.arange(101) / 50

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from plumbline.harness.case.scene_file import own_case
-from plumbline.harness.intake.refusal import RobotError
+from plumbline.harness.intake.error import RobotError
 from plumbline.harness.metric import NotMeasurable
 from plumbline.harness.metrics.readings import gyroscope_off_motion, range_off_geometry
 from plumbline.harness.scene import (

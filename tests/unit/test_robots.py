@@ -9,7 +9,7 @@ from plumbline.cases import stand_humanoid, stand_quadruped
 from plumbline.harness.case import Case
 from plumbline.harness.props.robots.humanoid import FOOT, MASS, STATURE, humanoid
 from plumbline.harness.props.robots.quadruped import LEG, quadruped
-from plumbline.harness.props.robots.robot import Robot, bearing, copy_of, loads
+from plumbline.harness.props.robots.robot import RobotOnFeet, bearing, copy_of, loads
 from plumbline.harness.scene import EARTH_GRAVITY, Body, Box, Revolute, Scene, Sphere, Vector3, rotate
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.trajectory.kinematics import joint_coordinate, joint_rate
@@ -31,7 +31,7 @@ def test_masses_and_numbers_of_hinges_are_those_described() -> None:
 
 
 @BOTH
-def test_left_is_the_mirror_image_of_right(machine: Robot) -> None:
+def test_left_is_the_mirror_image_of_right(machine: RobotOnFeet) -> None:
     bodies = {body.name: body for body in machine.bodies}
     for body in machine.bodies:
         other = bodies[mirrored(body.name)]
@@ -62,7 +62,7 @@ LEG_PARTS = ("hip", "thigh", "shank", "ankle", "foot")
 
 
 @BOTH
-def test_the_centre_of_mass_lies_over_the_soles_with_room(machine: Robot) -> None:
+def test_the_centre_of_mass_lies_over_the_soles_with_room(machine: RobotOnFeet) -> None:
     points = np.array(list(machine.soles.values()))
     if len(points) == 2:
         # Two feet: each is a box of FOOT.long, whose edges are no nearer than a quarter of it.
@@ -77,7 +77,7 @@ def test_the_centre_of_mass_lies_over_the_soles_with_room(machine: Robot) -> Non
 
 
 @BOTH
-def test_ground_forces_carry_the_weight_without_a_moment(machine: Robot) -> None:
+def test_ground_forces_carry_the_weight_without_a_moment(machine: RobotOnFeet) -> None:
     forces = loads(machine, EARTH_GRAVITY)
     total = np.sum(list(forces.values()), axis=0)
     moment = sum(np.cross(np.subtract(machine.soles[foot], machine.centre), force) for foot, force in forces.items())
@@ -88,14 +88,14 @@ def test_ground_forces_carry_the_weight_without_a_moment(machine: Robot) -> None
 
 def test_a_machine_that_leans_over_its_soles_is_refused() -> None:
     machine = quadruped()
-    shifted = Robot(
+    shifted = RobotOnFeet(
         bodies=machine.bodies, hinges=machine.hinges, soles={foot: (x + 0.5, y, z) for foot, (x, y, z) in machine.soles.items()}
     )
     with pytest.raises(ValueError, match="does not lie over its soles"):
         bearing(shifted, EARTH_GRAVITY)
 
 
-def potential(scene: Scene, machine: Robot, hinge: int, turn: float) -> float:
+def potential(scene: Scene, machine: RobotOnFeet, hinge: int, turn: float) -> float:
     """Energy [J] of weights and ground forces beyond a hinge that is turned by `turn` [rad], all else at rest."""
     joint = machine.hinges[hinge]
     axis, anchor = np.array(joint.axis_W), np.array(joint.anchor_W)
@@ -116,7 +116,7 @@ def potential(scene: Scene, machine: Robot, hinge: int, turn: float) -> float:
 
 
 @BOTH
-def test_drives_balance_weights_and_ground_forces(machine: Robot) -> None:
+def test_drives_balance_weights_and_ground_forces(machine: RobotOnFeet) -> None:
     """By another route than moments: the torque of each drive is the slope of the energy of what it carries."""
     held = bearing(machine, EARTH_GRAVITY)
     scene = Scene(bodies=machine.bodies, apart=(("machine", "machine"),))
@@ -160,7 +160,7 @@ def lowest(body: Body) -> float:
 
 
 @BOTH
-def test_feet_touch_the_ground_and_nothing_else_does(machine: Robot) -> None:
+def test_feet_touch_the_ground_and_nothing_else_does(machine: RobotOnFeet) -> None:
     for body in machine.bodies:
         if body.name in machine.soles:
             assert lowest(body) == pytest.approx(0.0, abs=1e-12)
@@ -169,7 +169,7 @@ def test_feet_touch_the_ground_and_nothing_else_does(machine: Robot) -> None:
 
 
 @BOTH
-def test_hinges_connect_what_hangs_together(machine: Robot) -> None:
+def test_hinges_connect_what_hangs_together(machine: RobotOnFeet) -> None:
     """Parents come before children, and each anchor lies within a part's reach of both bodies."""
     seen = {machine.bodies[0].name}
     place = {body.name: np.array(body.p_WB) for body in machine.bodies}

@@ -9,7 +9,7 @@ import pytest
 
 from plumbline.harness.findings.costs import TELLING, Cost, no_worse
 from plumbline.harness.findings.tables.scaling import COLUMNS, TABLE, Scaling
-from plumbline.harness.statistics.ratio import ratio
+from plumbline.harness.statistics.bootstrap import ratio
 from plumbline.harness.store.journal import Journal
 from plumbline.harness.store.record import Measurement, Record, Sample, Timing
 from plumbline.harness.store.store import Store, write_json

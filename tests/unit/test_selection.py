@@ -11,8 +11,7 @@ import pytest
 
 from plumbline.harness.findings.selection import Answer, PresetError, Wish, choose, preset_names, read_preset
 from plumbline.harness.findings.selection.choose import EXPRESSED
-from plumbline.harness.findings.selection.decide import LEAST, into
-from plumbline.harness.findings.selection.doubt import Turn
+from plumbline.harness.findings.selection.decide import LEAST, WhatTurns, into
 from plumbline.harness.findings.selection.words import decisive, headline, trade, turn_sentences
 from plumbline.harness.store.store import Store
 from plumbline.harness.study.plugins import names
@@ -263,10 +262,10 @@ def test_an_engine_without_a_speed_in_most_cases_has_none_and_takes_none_from_th
 
 def test_what_would_turn_the_answer_is_said_without_ids() -> None:
     titles = {"dart": "DART", "stack_tower": "A tower of boxes", "rest_jitter": "Standing still", "friction": "friction"}
-    case, other = (Turn(kind="case", name=name, first="dart") for name in ("stack_tower", "rest_jitter"))
-    heavier = (Turn(kind="criterion", name="speed", first="dart"), Turn(kind="family", name="friction", first="dart"))
+    case, other = (WhatTurns(kind="case", name=name, first="dart") for name in ("stack_tower", "rest_jitter"))
+    heavier = (WhatTurns(kind="criterion", name="speed", first="dart"), WhatTurns(kind="family", name="friction", first="dart"))
 
-    def said(*turns: Turn) -> list[str]:
+    def said(*turns: WhatTurns) -> list[str]:
         return turn_sentences(turns, titles.__getitem__, titles.__getitem__)
 
     assert said(case) == ["Without “A tower of boxes”, DART would be first."]

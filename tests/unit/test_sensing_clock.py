@@ -13,8 +13,7 @@ from plumbline.harness.study.experiment import Experiment, StudyError
 from plumbline.harness.study.study import Study
 from plumbline.harness.study.trial import Trial
 from plumbline.harness.trajectory import Hits, State
-from plumbline.harness.trial.bench import Bench
-from plumbline.harness.trial.sensing_bench import bare_rays, sensed_interval, steps_of_interval
+from plumbline.harness.trial.bench import Bench, bare_rays, sensed_interval, steps_of_interval
 
 DT = 1 / 240
 

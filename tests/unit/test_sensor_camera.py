@@ -22,11 +22,19 @@ from plumbline.harness.scene import (
     Sphere,
     axis_angle,
 )
-from plumbline.harness.sensors import pictures
-from plumbline.harness.sensors.lens import RESIDUAL, distort, undistort
-from plumbline.harness.sensors.pinhole import intrinsics, pixel_centres, pixel_rays, project, unproject
+from plumbline.harness.sensors import camera as camera_reader
+from plumbline.harness.sensors.pinhole import (
+    RESIDUAL,
+    distort,
+    intrinsics,
+    pixel_centres,
+    pixel_rays,
+    project,
+    undistort,
+    unproject,
+)
 from plumbline.harness.sensors.recorder import SensorRecorder
-from plumbline.harness.sensors.true_frames import true_frames, true_sight
+from plumbline.harness.sensors.true_views import true_frames, true_sight
 from plumbline.harness.trajectory import Floats, Image, State
 from plumbline.harness.trajectory.kinematics import rotate
 
@@ -215,7 +223,7 @@ def test_frames_that_would_fill_the_memory_are_refused_by_name(monkeypatch: pyte
     painter: Any = Painter(scene)
     recorder = SensorRecorder(scene, painter, 1, 0.05)
     # A frame of 64 x 48 pixels takes 8 + 4 + 3 x 4 bytes each.
-    monkeypatch.setattr(pictures, "LARGEST", 2 * 64 * 48 * 24)
+    monkeypatch.setattr(camera_reader, "LARGEST", 2 * 64 * 48 * 24)
     recorder.read(0.0, State.initial(scene))
     recorder.read(0.1, State.initial(scene))
     with pytest.raises(Unsupported, match=r"sensor 'c': frame 3.*221184 bytes, expected at most 147456"):

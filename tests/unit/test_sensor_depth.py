@@ -27,10 +27,9 @@ from plumbline.harness.sensors import time_of_flight
 from plumbline.harness.sensors.depth_camera import answer, lost, picture_camera
 from plumbline.harness.sensors.rays import first_hits
 from plumbline.harness.sensors.recorder import SensorRecorder
-from plumbline.harness.sensors.returned_light import signal, sunlight
-from plumbline.harness.sensors.second_view import in_view_of
+from plumbline.harness.sensors.returned_light import in_view_of, signal, sunlight
 from plumbline.harness.sensors.sight import Sight
-from plumbline.harness.sensors.true_frames import true_frames, true_sight
+from plumbline.harness.sensors.true_views import true_frames, true_sight
 from plumbline.harness.trajectory import Floats, Hits, Image, State
 
 WIDTH, HEIGHT, FOCAL = 80, 60, 60.0

@@ -8,7 +8,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from plumbline.harness.scene import AxisNoise, Body, Imu, ImuNoise, Scene
-from plumbline.harness.sensors.imu_errors import read_out, sensed
+from plumbline.harness.sensors.imu import read_out, sensed
 from plumbline.harness.sensors.recorder import SensorRecorder, steps_of_latency
 from plumbline.harness.trajectory import Floats, State
 

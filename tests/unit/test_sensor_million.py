@@ -8,8 +8,8 @@ from scipy import stats
 
 from plumbline.harness.metrics.inertial_noise import expected_variance, histogram_score, overlapping_variance
 from plumbline.harness.scene import AxisNoise, LidarNoise
-from plumbline.harness.sensors.imu_noise import axis_noise
-from plumbline.harness.sensors.lidar_noise import noisy
+from plumbline.harness.sensors.imu import axis_noise
+from plumbline.harness.sensors.lidar import noisy
 from plumbline.harness.trajectory import Floats
 
 INTERVAL = 0.01

@@ -6,8 +6,8 @@ from scipy import stats
 
 from plumbline.harness.metrics.inertial_noise import expected_variance, overlapping_variance
 from plumbline.harness.scene import AxisNoise, LidarNoise
-from plumbline.harness.sensors.imu_noise import MARKOV_PEAK, axis_noise, three_axes
-from plumbline.harness.sensors.lidar_noise import noisy
+from plumbline.harness.sensors.imu import MARKOV_PEAK, axis_noise, three_axes
+from plumbline.harness.sensors.lidar import noisy
 from plumbline.harness.sensors.seeds import generator
 
 LAW = AxisNoise(density=2e-4, bias=0.02, instability=1e-3, instability_time=0.2, random_walk=1.5e-3)

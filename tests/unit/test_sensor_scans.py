@@ -19,9 +19,7 @@ from plumbline.harness.scene import (
     Vector3,
     axis_angle,
 )
-from plumbline.harness.sensors.beams import SUB_RAYS, beams, spread
-from plumbline.harness.sensors.lidar import ideal, in_world
-from plumbline.harness.sensors.lidar_noise import noisy
+from plumbline.harness.sensors.lidar import SUB_RAYS, beams, ideal, in_world, noisy, spread
 from plumbline.harness.sensors.rays import first_hits
 from plumbline.harness.sensors.recorder import SensorRecorder
 from plumbline.harness.sensors.spinning import pose_between

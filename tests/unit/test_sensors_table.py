@@ -10,12 +10,10 @@ import numpy as np
 import pytest
 
 from plumbline.harness.findings.sensor_readings.channel import Channel, channels, rays_of
-from plumbline.harness.findings.sensor_readings.depth import depth_sigma
+from plumbline.harness.findings.sensor_readings.depth import depth_sigma, range_histogram
 from plumbline.harness.findings.sensor_readings.findings import SensorFinding, findings
-from plumbline.harness.findings.sensor_readings.ideal import ideal_errors
+from plumbline.harness.findings.sensor_readings.ideal import ideal_errors, lag_of
 from plumbline.harness.findings.sensor_readings.inertial import allan_curve, inertial_noise
-from plumbline.harness.findings.sensor_readings.lag import lag_of
-from plumbline.harness.findings.sensor_readings.ranging import range_histogram
 from plumbline.harness.findings.tables import sensors as table
 from plumbline.harness.scene import AxisNoise, Camera, DepthCamera, Imu, ImuNoise, Lidar
 from plumbline.harness.store.store import Store

@@ -6,8 +6,7 @@ from typing import Any
 import pytest
 
 from plumbline.harness.adapter import Settings
-from plumbline.harness.search.settings_key import key_of
-from plumbline.harness.study.one_knob import OPTION
+from plumbline.harness.study.one_knob import OPTION, key_of
 
 PLAIN = Settings(dt=1 / 240, options={"cone": "elliptic", "warm_start": True})
 OTHER: dict[str, Any] = {

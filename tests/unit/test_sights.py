@@ -15,7 +15,7 @@ from plumbline.harness.trajectory import Trajectory
 from plumbline.reports.html import report as html
 from plumbline.reports.html.report import write_report
 from plumbline.reports.page import pages
-from plumbline.reports.pictures.case_pictures import Sight, sight
+from plumbline.reports.pictures.case_pictures import CaseSight, sight
 from plumbline.reports.pictures.motion_chart import labelled
 from plumbline.reports.recordings.camera import around_held
 from plumbline.reports.recordings.moment import about, moment_recording
@@ -54,11 +54,11 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def seen(folder: Path) -> Sight:
+def seen(folder: Path) -> CaseSight:
     return sight(Store(folder), "slide")
 
 
-def test_runs_that_look_alike_share_a_row_with_the_truth_and_others_have_their_own(seen: Sight) -> None:
+def test_runs_that_look_alike_share_a_row_with_the_truth_and_others_have_their_own(seen: CaseSight) -> None:
     assert seen.film is not None
     told, other = seen.film.rows
     assert told.told
@@ -66,7 +66,7 @@ def test_runs_that_look_alike_share_a_row_with_the_truth_and_others_have_their_o
     assert {engine for engine, _ in other.runs} == {"bullet"}
 
 
-def test_a_thumbnail_is_a_small_picture_with_the_page_shining_through_and_the_ball_in_it(seen: Sight) -> None:
+def test_a_thumbnail_is_a_small_picture_with_the_page_shining_through_and_the_ball_in_it(seen: CaseSight) -> None:
     assert seen.thumb is not None
     pixels = np.asarray(Image.open(io.BytesIO(seen.thumb.content)).convert("RGBA")).astype(float)
     assert len(seen.thumb.content) < 30_000
@@ -76,7 +76,7 @@ def test_a_thumbnail_is_a_small_picture_with_the_page_shining_through_and_the_ba
     assert np.ptp(pixels[solid][:, :3], axis=0).max() > 40  # lit from one side
 
 
-def test_the_series_is_the_place_that_changes_and_the_moment_is_where_the_bound_is_first_broken(seen: Sight) -> None:
+def test_the_series_is_the_place_that_changes_and_the_moment_is_where_the_bound_is_first_broken(seen: CaseSight) -> None:
     assert seen.motion is not None
     assert seen.motion.title == "Place of ball along x"
     assert seen.motion.band == BOUND

@@ -96,7 +96,6 @@ def test_what_finds_and_keeps_is_not_among_what_answers() -> None:
         "plumbline.harness.trial.accuracy",
         "plumbline.harness.trial.simulate",
         "plumbline.harness.case.alteration",
-        "plumbline.harness.trial.converged_truth",
         "plumbline.harness.trial.truth_cache",
     } <= answering
     assert not any(map(sources.keeps, answering))

@@ -2,7 +2,7 @@
 
 import pytest
 
-from plumbline.harness.findings.steps_taken import step_in_words, substeps_of, substeps_taken, with_substeps
+from plumbline.harness.findings.parameter_words import step_in_words, substeps_of, substeps_taken, with_substeps
 from plumbline.harness.findings.tables import price, steps
 from plumbline.harness.store.store import Store
 from plumbline.reports.words.text import step

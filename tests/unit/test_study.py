@@ -8,8 +8,7 @@ import pytest
 
 from plumbline.harness.study import plugins
 from plumbline.harness.study.experiment import Experiment, StudyError, Variant
-from plumbline.harness.study.roll_call import call_roll
-from plumbline.harness.study.study import Study, load_study
+from plumbline.harness.study.study import Study, call_roll, load_study
 from plumbline.harness.study.trial import Trial
 from plumbline.harness.trial.accuracy import outcome
 

@@ -4,7 +4,7 @@ from dataclasses import fields, replace
 
 from plumbline.harness.adapter import Feature
 from plumbline.harness.adapter.features import features_of
-from plumbline.harness.cli.support import support_lines
+from plumbline.harness.cli.run_study import support_lines
 from plumbline.harness.study import plugins
 
 

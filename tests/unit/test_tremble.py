@@ -22,7 +22,7 @@ from plumbline.harness.store.journal import Journal
 from plumbline.harness.store.seal import sealed_json, sealed_toml
 from plumbline.harness.store.store import Store
 from plumbline.harness.study.catalogue import describe_case
-from plumbline.harness.study.stored_study import Departure, departures_of
+from plumbline.harness.study.experiment import Departure, departures_of
 from plumbline.harness.study.study import Study, load_study
 from plumbline.harness.trajectory import Contacts, State, Trajectory
 from plumbline.harness.trial.accuracy import run_trial

@@ -8,7 +8,7 @@ import pytest
 
 from plumbline.harness.findings.changes import Change
 from plumbline.harness.history.readings import NightOf
-from plumbline.harness.history.steps import Step
+from plumbline.harness.history.steps import PriceStep
 from plumbline.harness.statistics.change_points import Level
 from plumbline.reports.charts.figure import Figure
 from plumbline.reports.charts.palette import ENGINES
@@ -27,7 +27,7 @@ NIGHTS = [
     NightOf(stamp=f"2026010{n}T020000Z", folder="", machine="m", processor="EPYC", versions={"mujoco": version, "dart": "6"})
     for n, version in enumerate(VERSIONS, 1)
 ]
-STEP = Step(night=3, change=Change(kind="price", sense="worse", engine="mujoco", ratio=1.3))
+STEP = PriceStep(night=3, change=Change(kind="price", sense="worse", engine="mujoco", ratio=1.3))
 PANEL = TrendPanel(
     case="joint_chain",
     engine="mujoco",

@@ -14,10 +14,10 @@ from plumbline.harness.history.folder import History
 from plumbline.harness.history.identity import Named
 from plumbline.harness.history.readings import NightOf
 from plumbline.harness.history.regressions import Trends, date, read_trends
+from plumbline.harness.history.retention import problems_of
 from plumbline.harness.history.series import Series, yardsticks
 from plumbline.harness.history.slow_drift import FEWEST
-from plumbline.harness.history.steps import CHANCE_OF_ALL, Step, price_steps
-from plumbline.harness.history.verify_history import problems_of
+from plumbline.harness.history.steps import CHANCE_OF_ALL, PriceStep, price_steps
 from plumbline.harness.store import store
 from plumbline.harness.store.journal import Written, read_written
 from plumbline.harness.store.record import Record, digest
@@ -37,7 +37,7 @@ def steps_of(
     factor: Floats | None = None,
     count: int = NIGHTS,
     chance: float = CHANCE_OF_ALL,
-) -> list[Step]:
+) -> list[PriceStep]:
     """What is told of a history of twenty-four series, of which the first `changed` are multiplied by `factor`.
 
     Args: count: of nights, the first so many. chance: of a history.
@@ -177,7 +177,7 @@ def test_a_price_has_the_name_under_which_a_night_told_it_and_one_word_silences_
     one_track = replace(stepped, track="tuned", dt=0.01, metric="CPU time of a step", count=1)
     whole = replace(stepped, case="")
     told = Named.of(one_track, nights[9].stamp)
-    (seen,) = date(nights, [Step(8, stepped)], {}, [told])
+    (seen,) = date(nights, [PriceStep(8, stepped)], {}, [told])
     assert (seen.id, seen.told, seen.state) == (told.id, True, "open")
     for named, changes, state in (
         (told, (stepped,), "acknowledged"),
@@ -186,10 +186,10 @@ def test_a_price_has_the_name_under_which_a_night_told_it_and_one_word_silences_
         (replace(told, sense="better"), (replace(stepped, case="y"),), "open"),
     ):
         entry = replace(named, note="known")
-        assert {row.state for row in date(nights, [Step(8, change) for change in changes], {named.id: entry}, [told])} == {
+        assert {row.state for row in date(nights, [PriceStep(8, change) for change in changes], {named.id: entry}, [told])} == {
             state
         }
-    (apart,) = date(nights, [Step(14, stepped)], {told.id: replace(told, note="known")}, [told])
+    (apart,) = date(nights, [PriceStep(14, stepped)], {told.id: replace(told, note="known")}, [told])
     assert (apart.told, apart.state) == (False, "open")
 
 

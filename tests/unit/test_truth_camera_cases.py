@@ -27,7 +27,7 @@ from plumbline.harness.sensors.depth_camera import lost
 from plumbline.harness.sensors.pinhole import intrinsics, pixel_centres
 from plumbline.harness.sensors.recorder import steps_between_readings
 from plumbline.harness.sensors.returned_light import signal, sunlight
-from plumbline.harness.sensors.true_frames import true_frames, true_sight
+from plumbline.harness.sensors.true_views import true_frames, true_sight
 from plumbline.harness.trajectory import Floats, State, Trajectory
 from plumbline.harness.trajectory.kinematics import rotate_back
 

@@ -13,7 +13,7 @@ from plumbline.harness.case import Case
 from plumbline.harness.scene import Scene, sphere_inertia
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.trajectory.kinematics import cross
-from plumbline.harness.truths.coulomb_impact import coulomb_impact
+from plumbline.harness.truths.friction import coulomb_impact
 
 DOWN = np.array([0.0, 0.0, -1.0])
 

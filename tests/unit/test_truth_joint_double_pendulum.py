@@ -9,7 +9,7 @@ from plumbline.harness.case import Converged
 from plumbline.harness.metrics.conservation import energy_drift_max
 from plumbline.harness.metrics.joints import joint_gap_max
 from plumbline.harness.trajectory import Floats
-from plumbline.harness.truths.double_pendulum import INERTIA, LENGTH, MASS, D
+from plumbline.harness.truths.pendulum import INERTIA, LENGTH, MASS, D
 
 
 def _newton_euler(_t: float, y: Floats) -> Floats:

@@ -14,7 +14,7 @@ from plumbline.cases import (
 from plumbline.harness.case import Case
 from plumbline.harness.trajectory import Floats, State, Trajectory
 from plumbline.harness.trajectory.kinematics import angle_between
-from plumbline.harness.truths.rolling import grip_time, rolling
+from plumbline.harness.truths.friction import grip_time, rolling
 
 MODULES = (
     friction_backspin,

@@ -11,7 +11,7 @@ from plumbline.cases import flight_box, joint_chain, rest_penetration, stack_pil
 from plumbline.harness.case import Case, Converged
 from plumbline.harness.scene import rotation_matrix
 from plumbline.harness.trajectory import Contacts, Trajectory
-from plumbline.harness.truths import double_pendulum
+from plumbline.harness.truths import pendulum
 
 G = 9.81
 
@@ -147,13 +147,13 @@ def test_a_box_that_is_braked_or_turned_fails() -> None:
 
 def test_two_links_obey_the_equations_of_the_double_pendulum(monkeypatch: pytest.MonkeyPatch) -> None:
     """Rods of that case's length and inertia, by equations that were written down for two rods alone."""
-    monkeypatch.setattr(joint_chain, "LENGTH", double_pendulum.LENGTH)
-    monkeypatch.setattr(joint_chain, "INERTIA", double_pendulum.INERTIA)
+    monkeypatch.setattr(joint_chain, "LENGTH", pendulum.LENGTH)
+    monkeypatch.setattr(joint_chain, "INERTIA", pendulum.INERTIA)
     rng = np.random.default_rng(1)
     for _ in range(20):
         theta, rate = rng.uniform(-2, 2, 2), rng.uniform(-3, 3, 2)
         np.testing.assert_allclose(
-            joint_chain.acceleration(theta, rate), double_pendulum.acceleration(theta, rate), rtol=1e-11, atol=1e-11
+            joint_chain.acceleration(theta, rate), pendulum.acceleration(theta, rate), rtol=1e-11, atol=1e-11
         )
 
 

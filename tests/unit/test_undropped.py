@@ -22,8 +22,7 @@ from plumbline.harness.store.imported_scenes import keep, unsound
 from plumbline.harness.store.store import Store
 from plumbline.harness.study import plugins
 from plumbline.harness.study.experiment import Refinement
-from plumbline.harness.study.own_scene import study_of
-from plumbline.harness.study.study import Study
+from plumbline.harness.study.study import Study, study_of
 from plumbline.reports.pages.scene import PAGE
 from plumbline.reports.words.text import powers
 from tests.in_process import in_this_process

@@ -15,7 +15,7 @@ from plumbline.harness.metric import NotMeasurable, Run, metric
 from plumbline.harness.metrics.errors import position_error_max
 from plumbline.harness.metrics.periods import nutation_amplitude
 from plumbline.harness.scene import Body, Scene
-from plumbline.harness.statistics.ratio import ratio
+from plumbline.harness.statistics.bootstrap import ratio
 from plumbline.harness.store.record import Measurement
 from plumbline.harness.trajectory import Trajectory
 from plumbline.harness.trial.accuracy import _verdict, judge

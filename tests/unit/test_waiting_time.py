@@ -8,8 +8,8 @@ from typing import Any
 import pytest
 
 from plumbline.harness.case.alteration import AS_IT_IS, TURNED, Alteration
-from plumbline.harness.run import progress, waiting_time
-from plumbline.harness.run.clock_time import START, clock_time
+from plumbline.harness.run import waiting_time
+from plumbline.harness.run.timing_protocol import START, clock_time
 from plumbline.harness.run.waiting_time import Waiting
 from plumbline.harness.study.experiment import Experiment, Refinement
 
@@ -109,14 +109,14 @@ def test_a_clock_takes_few_samples_of_long_runs() -> None:
     ("seconds", "text"), [(0.2, "0 s"), (59.4, "59 s"), (59.6, "1 min 0 s"), (200.0, "3 min 20 s"), (3900.0, "1 h 5 min")]
 )
 def test_elapsed_time_is_said_in_two_units_at_most(seconds: float, text: str) -> None:
-    assert progress.elapsed(seconds) == text
+    assert waiting_time.elapsed(seconds) == text
 
 
 def test_a_plain_line_counts_and_says_the_time_since_the_start(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(progress, "_BEGUN", progress.time.monotonic() - 75.0)
-    with progress.Progress("accuracy", 2) as bar:
+    monkeypatch.setattr(waiting_time, "_BEGUN", waiting_time.time.monotonic() - 75.0)
+    with waiting_time.Progress("accuracy", 2) as bar:
         bar.advance("first")
         bar.advance("second")
     assert capsys.readouterr().err == "accuracy: 2 of 2, 1 min 15 s (second)\n"

@@ -230,7 +230,7 @@ sys.meta_path.insert(0, Absent())
 from plumbline.harness.cli.main import main
 main(["warm", "--first", "--help"], standalone_mode=False)
 import plumbline.harness.run.warm_up
-from plumbline.harness.run.progress import Progress
+from plumbline.harness.run.waiting_time import Progress
 from rich.progress import Progress as Bar
 from plumbline.adapters.reference import ADAPTER
 (group,) = [group for group in ADAPTER.kernels().groups if group.names == ("steps.smooth.step_free",)]

@@ -13,18 +13,17 @@ from plumbline.harness.cli.main import main
 from plumbline.harness.cli.zoo_run import carried_out, zoo_robots
 from plumbline.harness.findings import tables
 from plumbline.harness.intake.error import PlumblineError
-from plumbline.harness.run import zoo_intake, zoo_packages
-from plumbline.harness.run.robot_by_robot import RobotByRobot
+from plumbline.harness.run import zoo_intake
 from plumbline.harness.run.verify import problems
-from plumbline.harness.run.zoo_intake import taken_in
+from plumbline.harness.run.zoo_intake import RobotByRobot, taken_in
 from plumbline.harness.store import zoo_record
 from plumbline.harness.store.journal import FolderTaken
 from plumbline.harness.store.seal import Damaged
 from plumbline.harness.store.store import Store
-from plumbline.harness.store.zoo_record import Entry
+from plumbline.harness.store.zoo_record import ZooEntry
 from plumbline.harness.study import plugins
-from plumbline.harness.study.zoo.least_drops import least, subsets
-from plumbline.harness.study.zoo.robots import LIST, MENAGERIE, NotHere, Robot, chosen, file_of, robots
+from plumbline.harness.study.zoo.robots import LIST, MENAGERIE, NotHere, ZooRobot, chosen, file_of, robots
+from plumbline.harness.study.zoo.taking_in import least, subsets
 from plumbline.reports.page import pages
 from plumbline.reports.pages.zoo import PAGE
 from tests.in_process import clocked_by, in_this_process
@@ -40,13 +39,13 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def tiny(folder: Path) -> Iterator[list[Robot]]:
+def tiny(folder: Path) -> Iterator[list[ZooRobot]]:
     with tiny_zoo(folder) as found:
         yield found
 
 
 @pytest.fixture(scope="module")
-def taken(folder: Path, tiny: list[Robot]) -> dict[str, Entry]:
+def taken(folder: Path, tiny: list[ZooRobot]) -> dict[str, ZooEntry]:
     return {entry.name: entry for entry in taken_in(folder / "run", tiny, ENGINES, workers=2)}
 
 
@@ -63,7 +62,7 @@ def test_what_is_left_out_is_the_least_and_none_of_it_can_stay() -> None:
     assert subsets({"x", "y"}) == [frozenset(), {"x"}, {"y"}, {"x", "y"}]
 
 
-def test_robots_are_listed_with_their_package_its_version_and_licence(tiny: list[Robot]) -> None:
+def test_robots_are_listed_with_their_package_its_version_and_licence(tiny: list[ZooRobot]) -> None:
     assert [robot.name for robot in tiny] == [
         "tiny_zoo.arm", "tiny_zoo.pair", "tiny_zoo.dropped", "tiny_zoo.broken", "no_such_zoo.away",
     ]  # fmt: skip
@@ -77,7 +76,9 @@ def test_robots_are_listed_with_their_package_its_version_and_licence(tiny: list
         chosen(tiny, ["*.elephant"])
 
 
-def test_a_robot_goes_in_with_the_least_left_out_for_each_engine_or_says_why_not(folder: Path, taken: dict[str, Entry]) -> None:
+def test_a_robot_goes_in_with_the_least_left_out_for_each_engine_or_says_why_not(
+    folder: Path, taken: dict[str, ZooEntry]
+) -> None:
     stages = {name.partition(".")[2]: entry.stage for name, entry in taken.items()}
     assert stages == {"arm": "in", "pair": "in", "dropped": "in", "broken": "refused", "away": "not here"}
     assert taken["tiny_zoo.broken"].reason.startswith("broken.urdf: "), "where it is installed is nobody's business"
@@ -95,11 +96,11 @@ def test_a_robot_goes_in_with_the_least_left_out_for_each_engine_or_says_why_not
 
 
 def test_a_folder_goes_on_from_what_it_knows_and_asks_again_for_what_was_not_here(
-    folder: Path, tiny: list[Robot], taken: dict[str, Entry], monkeypatch: pytest.MonkeyPatch
+    folder: Path, tiny: list[ZooRobot], taken: dict[str, ZooEntry], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     asked: list[str] = []
 
-    def again(_folder: Path, robot: Robot, _engines: object, key: str) -> Entry:
+    def again(_folder: Path, robot: ZooRobot, _engines: object, key: str) -> ZooEntry:
         asked.append(robot.name)
         return taken[robot.name]
 
@@ -112,13 +113,13 @@ def test_a_folder_goes_on_from_what_it_knows_and_asks_again_for_what_was_not_her
 
 
 def test_a_publisher_that_could_not_be_reached_is_asked_once(
-    folder: Path, tiny: list[Robot], monkeypatch: pytest.MonkeyPatch
+    folder: Path, tiny: list[ZooRobot], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     asked: list[str] = []
 
-    def away(_folder: Path, robot: Robot, _engines: object, key: str) -> Entry:
+    def away(_folder: Path, robot: ZooRobot, _engines: object, key: str) -> ZooEntry:
         asked.append(robot.name)
-        return Entry(
+        return ZooEntry(
             name=robot.name, title="", package=robot.package, version="", licence="", file="", key=key, reason="no road"
         )
 
@@ -129,7 +130,7 @@ def test_a_publisher_that_could_not_be_reached_is_asked_once(
     assert {(entry.stage, entry.reason) for entry in found} == {("not here", "no road")}
 
 
-def test_an_entry_that_is_not_as_it_was_written_is_told(folder: Path, taken: dict[str, Entry], tmp_path: Path) -> None:
+def test_an_entry_that_is_not_as_it_was_written_is_told(folder: Path, taken: dict[str, ZooEntry], tmp_path: Path) -> None:
     zoo_record.write(tmp_path, taken["tiny_zoo.pair"])
     assert list(zoo_record.entries(tmp_path)) == [taken["tiny_zoo.pair"]]
     path = tmp_path / "zoo" / "tiny_zoo.pair.json"
@@ -140,7 +141,7 @@ def test_an_entry_that_is_not_as_it_was_written_is_told(folder: Path, taken: dic
 
 
 @pytest.fixture(scope="module")
-def ran(folder: Path, tiny: list[Robot], taken: dict[str, Entry]) -> Store:
+def ran(folder: Path, tiny: list[ZooRobot], taken: dict[str, ZooEntry]) -> Store:
     """All of them; a step is said to cost 10 us."""
     del taken
     with pytest.MonkeyPatch.context() as patch:
@@ -200,7 +201,7 @@ def test_a_run_of_a_zoo_is_verified_with_its_entries(ran: Store) -> None:
         path.write_bytes(content)
 
 
-def test_a_zoo_goes_on_only_where_it_is_told_to(ran: Store, tiny: list[Robot]) -> None:
+def test_a_zoo_goes_on_only_where_it_is_told_to(ran: Store, tiny: list[ZooRobot]) -> None:
     with pytest.raises(FolderTaken):
         carried_out(ran.folder, tiny, {}, workers=1, resume=False, budget=1.0)
 
@@ -235,9 +236,7 @@ def test_a_zoo_is_run_on_this_machine_and_whole(more: list[str]) -> None:
 
 def test_every_package_of_the_list_is_locked_and_the_extra_and_the_notice_name_those_that_install() -> None:
     listed = {robot.package for robot in robots(LIST)} | {MENAGERIE}
-    locked = dict(
-        re.findall(r"^([\w.-]+)==(\S+) \\\n +--hash=sha256:[0-9a-f]{64}$", zoo_packages.LOCK.read_text(), re.MULTILINE)
-    )
+    locked = dict(re.findall(r"^([\w.-]+)==(\S+) \\\n +--hash=sha256:[0-9a-f]{64}$", zoo_intake.LOCK.read_text(), re.MULTILINE))
     assert set(locked) == listed
     extra = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["optional-dependencies"]["zoo"]
     assert {line.partition(">")[0] for line in extra} <= listed

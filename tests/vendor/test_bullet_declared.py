@@ -313,7 +313,9 @@ def test_a_turn_of_more_than_45_degrees_a_step_is_shortened_and_the_rate_is_not(
     assert spin == pytest.approx(turn * 240, rel=1e-6)
 
 
-@pytest.mark.parametrize("word", ["static", "kinetic", "armature", "rotor", "spring", "ellipsoid", "distance", "kinematic"])
+@pytest.mark.parametrize(
+    "word", ["static", "kinetic", "armature", "rotor", "spring", "ellipsoid", "distance", "kinematic", "tendon"]
+)
 def test_no_parameter_of_a_body_a_joint_or_a_constraint_has_such_a_name(word: str) -> None:
     """pybullet takes keywords alone that it knows, and says which it does not."""
     for call in (pybullet.changeDynamics, pybullet.createConstraint, pybullet.changeConstraint, pybullet.createMultiBody):

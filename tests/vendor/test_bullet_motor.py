@@ -74,3 +74,17 @@ def test_nothing_gives_a_joint_the_inertia_of_a_rotor(world: World) -> None:
     hinge = one_hinge(world, 1 / 240)
     with pytest.raises(TypeError, match="jointArmature"):
         world.changeDynamics(hinge, 0, jointArmature=0.1)
+
+
+def test_a_second_mode_of_a_joint_takes_the_place_of_the_first(world: World) -> None:
+    """A position that is aimed at is reached, unless the joint is told after it to keep a velocity: it has one motor."""
+    angles = []
+    for second in (False, True):
+        hinge = one_hinge(world, 1 / 240)
+        world.setJointMotorControl2(hinge, 0, pybullet.POSITION_CONTROL, targetPosition=1.0, positionGain=0.1, force=1e9)
+        if second:
+            world.setJointMotorControl2(hinge, 0, pybullet.VELOCITY_CONTROL, targetVelocity=0.0, force=1e9)
+        for _ in range(240):
+            world.stepSimulation()
+        angles.append(world.getJointState(hinge, 0)[0])
+    assert angles == pytest.approx([1.0, 0.0], abs=1e-6)

@@ -110,7 +110,18 @@ ROOMS = ("constraint", "dynamics", "collision", "simulation", "utils")
 
 @pytest.mark.parametrize(
     "word",
-    ["continuous", "sweep", "rolling", "torsion", "armature", "rotor", "staticfriction", "distancejoint", "springdamper"],
+    [
+        "continuous",
+        "sweep",
+        "rolling",
+        "torsion",
+        "armature",
+        "rotor",
+        "staticfriction",
+        "distancejoint",
+        "springdamper",
+        "tendon",
+    ],
 )
 def test_nothing_in_dartpy_has_such_a_name(word: str) -> None:
     """Neither a class, nor a method of a joint, a surface, a body, a world or a solver."""
@@ -144,3 +155,9 @@ def test_loops_are_closed_by_balls_hinges_welds_and_cylinders_alone() -> None:
 def test_a_world_has_no_word_for_many_steps_nor_for_its_state() -> None:
     told = dir(dartpy.simulation.World)
     assert not [name for name in told if "steps" in name.lower() or "save" in name.lower() or "restore" in name.lower()]
+
+
+def test_joints_have_a_damping_and_bodies_have_none() -> None:
+    assert "setDampingCoefficient" in dir(dartpy.dynamics.RevoluteJoint)
+    for kind in (dartpy.dynamics.BodyNode, dartpy.dynamics.DynamicsAspect, dartpy.dynamics.Inertia, dartpy.simulation.World):
+        assert not [name for name in dir(kind) if "damp" in name.lower() or "drag" in name.lower()]

@@ -82,3 +82,12 @@ def test_dart_s_own_detector_meets_solids_to_rounding(name: str) -> None:
 def test_bullet_s_detector_does_not(name: str, least: float) -> None:
     """It closes in on a solid step by step and stops early; a capsule it has wrong."""
     assert _off(name, "Bullet") > least
+
+
+@pytest.mark.parametrize("name", ["ball", "capsule", "cylinder"])
+def test_a_ray_from_inside_meets_the_far_side_by_dart_s_own_detector_and_nothing_by_bullet_s(name: str) -> None:
+    """From 0.1 m above the middle straight up: the exit is at RADIUS, HALF + RADIUS or HALF."""
+    far = {"ball": RADIUS, "capsule": HALF + RADIUS, "cylinder": HALF}[name] - 0.1
+    ray = np.array([[0.0, 0.0, 0.1]]), np.array([[0.0, 0.0, 0.1 + REACH]])
+    assert _hits("DART", _shapes()[name], *ray)[0] * REACH == pytest.approx(far, abs=1e-9)
+    assert np.isinf(_hits("Bullet", _shapes()[name], *ray)[0])

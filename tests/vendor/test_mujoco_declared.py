@@ -1,5 +1,6 @@
 """What is declared that MuJoCo lacks or refuses, tried as its advocate would: by every word of its documentation that might."""
 
+import math
 from typing import Any
 
 import numpy as np
@@ -227,3 +228,66 @@ def test_no_setting_that_the_documentation_has_for_slip_brings_them_within_two_s
     dt: float, constant: float, option: dict[str, str]
 ) -> None:
     assert thrown(dt, constant, 1.2, **option) > 2 * DUE
+
+
+ARMS = {"a": (1.0, 1.0), "b": (2.0, 2.0), "c": (3.0, -1.0)}
+"""Mass [kg] and arm on a tendon of three slides side by side."""
+
+
+def tied(extra: str = "", joint: str = "c") -> mujoco.MjModel:
+    """The slides on one fixed tendon of 10 N/m that is 0.1 m too short. Args: joint: the name of the last joint on it."""
+    bodies = "".join(
+        f'<body name="{name}" pos="0 {k} 0"><joint name="{name}" type="slide" axis="1 0 0"/>'
+        f'<geom size=".1" mass="{mass}"/></body>'
+        for k, (name, (mass, _)) in enumerate(ARMS.items())
+    )
+    arms = "".join(f'<joint joint="{joint if n == "c" else n}" coef="{arm}"/>' for n, (_, arm) in ARMS.items())
+    return mujoco.MjModel.from_xml_string(
+        f'<mujoco><option gravity="0 0 0" timestep="0.001" integrator="RK4"/><worldbody>{bodies}</worldbody>{extra}'
+        f'<tendon><fixed springlength="0.1" stiffness="10">{arms}</fixed></tendon></mujoco>'
+    )
+
+
+def test_a_fixed_tendon_pulls_each_joint_by_its_arm() -> None:
+    """l = sum of arm x; l'' = -k W (l - rest) with W the sum of arm^2/m, and x = arm/m l/W."""
+    model = tied()
+    data = mujoco.MjData(model)
+    for _ in range(500):
+        mujoco.mj_step(model, data)
+    mass, arm = np.array(list(ARMS.values())).T
+    lightness = float(arm @ (arm / mass))
+    length = 0.1 * (1 - math.cos(math.sqrt(10 * lightness) * 0.5))
+    assert data.qpos == pytest.approx(arm / mass * length / lightness, abs=1e-9)
+
+
+def test_what_closes_a_loop_has_no_coordinate_that_a_tendon_could_hold() -> None:
+    loop = '<equality><connect name="loop" body1="a" body2="b" anchor="0 0 0"/></equality>'
+    tied(loop)
+    with pytest.raises(ValueError, match="joint 'loop' not found"):
+        tied(loop, joint="loop")
+
+
+@pytest.mark.parametrize(
+    ("compiler", "between", "builds"),
+    [("", True, False), ("", False, True), ('<compiler boundmass="1e-9" boundinertia="1e-9"/>', True, True)],
+)
+def test_a_body_between_two_joints_needs_a_mass_and_two_joints_of_one_body_do_not(
+    compiler: str, between: bool, builds: bool
+) -> None:
+    """A compiler that is told a least mass gives it one."""
+    apart = ("<body>", "</body>") if between else ("", "")
+    text = (
+        f'<mujoco>{compiler}<worldbody><body><joint axis="1 0 0"/>{apart[0]}<joint axis="0 1 0"/><geom size=".1"/>{apart[1]}'
+        "</body></worldbody></mujoco>"
+    )
+    if builds:
+        assert mujoco.MjModel.from_xml_string(text).nv == 2
+    else:
+        with pytest.raises(ValueError, match="must be larger than mjMINVAL"):
+            mujoco.MjModel.from_xml_string(text)
+
+
+def test_loops_are_closed_by_points_welds_and_ties_of_coordinates_and_by_no_hinge_or_slide() -> None:
+    kinds = {name.removeprefix("mjEQ_") for name in mujoco.mjtEq.__members__}
+    assert {"CONNECT", "WELD", "JOINT", "TENDON"} <= kinds
+    assert not [kind for kind in kinds if "SLIDE" in kind or "HINGE" in kind or "PRISMATIC" in kind or "REVOLUTE" in kind]

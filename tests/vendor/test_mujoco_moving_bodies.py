@@ -74,3 +74,28 @@ def test_velocity_written_into_a_root_takes_along_what_hangs_on_it() -> None:
     mujoco.mj_forward(model, data)
     assert data.body("slider").cvel[3] == pytest.approx(0.0, abs=1e-3)
     assert data.body("frame").cvel[3] == pytest.approx(SPEED, abs=1e-9)
+
+
+def welded() -> float:
+    """How far [m] a free plate that is welded to a mocap body, of its own mass, takes the box in half a second."""
+    spec = mujoco.MjSpec()
+    spec.option.timestep = DT
+    spec.worldbody.add_body(name="hand", pos=[0, 0, -0.1], mocap=True)
+    plate = spec.worldbody.add_body(name="plate", pos=[0, 0, -0.1], gravcomp=1.0)
+    plate.add_freejoint()
+    plate.add_geom(type=mujoco.mjtGeom.mjGEOM_BOX, size=[2, 1, 0.1], mass=1.0)
+    held = spec.add_equality(type=mujoco.mjtEq.mjEQ_WELD, name1="hand", name2="plate", objtype=mujoco.mjtObj.mjOBJ_BODY)
+    held.data[:11] = [0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 1]
+    box = spec.worldbody.add_body(name="box", pos=[0, 0, 0.05])
+    box.add_freejoint()
+    box.add_geom(type=mujoco.mjtGeom.mjGEOM_BOX, size=[0.2, 0.2, 0.05])
+    model = spec.compile()
+    data = mujoco.MjData(model)
+    for step in range(STEPS):
+        data.mocap_pos[0, 0] = SPEED * DT * (step + 1)
+        mujoco.mj_step(model, data)
+    return float(data.body("box").xpos[0])
+
+
+def test_a_plate_welded_to_a_mocap_body_takes_it_along_and_gives_way_to_what_it_bears() -> None:
+    assert 0.15 < welded() < 0.26

@@ -40,3 +40,14 @@ def test_the_implicit_integrators_stay_and_lose_a_third_of_the_angular_momentum(
 def test_runge_kutta_keeps_it() -> None:
     # Order four: its error of a tenth of a radian a step is far below a thousandth.
     assert spin(100.0, 1 / 960, "RK4") < 1e-5
+
+
+@pytest.mark.parametrize("flag", [flag for flag in mujoco.mjtDisableBit.__members__ if flag != "mjNDISABLE"])
+def test_no_flag_switches_the_gyroscopic_term_off(flag: str) -> None:
+    """A top of unlike moments changes its rates by w x I w under every one of them."""
+    model, data = load('<body><freejoint/><inertial pos="0 0 0" mass="1" diaginertia="0.1 0.2 0.25"/></body>', 1e-3, 0.0, "")
+    model.opt.disableflags = int(mujoco.mjtDisableBit.__members__[flag])
+    data.qvel[3:] = 3.0, 1.0, -2.0
+    for _ in range(100):
+        mujoco.mj_step(model, data)
+    assert np.abs(data.qvel[3:] - (3.0, 1.0, -2.0)).max() > 0.05

@@ -4,9 +4,8 @@ from collections.abc import Mapping
 
 from plumbline.harness.findings.agreement.found import agreements
 from plumbline.harness.findings.agreement.values import Agreement
-from plumbline.harness.findings.parameter_words import STEP, in_words
+from plumbline.harness.findings.parameter_words import STEP, beside, in_words
 from plumbline.harness.findings.prices import PER_SECOND, Price, priced
-from plumbline.harness.findings.steps_taken import beside
 from plumbline.harness.store.store import Store
 
 WITHIN = 1e-2

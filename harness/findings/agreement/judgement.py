@@ -1,6 +1,6 @@
 """Engines against each other: whose limits are one, who differs, by how much and since when, and what is agreed.
 
-Limits with their error bars are put in camps (`harness.statistics.agreement_clusters`); two are compared up to the time to
+Limits with their error bars are put in camps (`harness.findings.agreement.judgement`); two are compared up to the time to
 which both are known. They agree where they lie no further apart than their bars, and what contacts are granted, together.
 
 A limit is **agreed** where a camp has two engines or more that people can deploy, and more of them than any other camp. Each
@@ -10,20 +10,50 @@ promises is not near a limit yet: it stands in no camp, and is held against the 
 with a camp like any other and is shown there, but it has no vote: else it would judge whom it is judged with. The agreed limit
 is that of the sharpest voter which is known as long as two of them are; its bar is the nearest confirmation by another voter,
 distance and that one's bar added.
+
+Camps: who agrees with whom, where each says a value with an error bar and not all say the same.
+
+Two agree where they lie no further apart than their bars together. Agreement is not passed on: A may agree with B and B with C
+while A and C differ, when B's bar is wide. So whoever has the narrowest bar speaks first; the next one joins the camp with all
+of whose members it agrees, or founds one of its own; one that agrees with all members of several camps is undecided, for its
+bar is too wide to tell them apart.
 """
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
+from typing import TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from plumbline.harness.findings.agreement.values import Agreement, CampGap, Side, Word
 from plumbline.harness.scene import Scene
 from plumbline.harness.search.own_limits import OwnLimit, granted_of
-from plumbline.harness.statistics.agreement_clusters import camps
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.trajectory.parting import NOTHING, Extent, extent, length, offsets
+
+Flags: TypeAlias = NDArray[np.bool_]
+
+
+def camps(agree: Flags, widths: Sequence[float]) -> list[tuple[int, ...]]:
+    """The camps that each one belongs to, by number from 0 in the order of their founding: one, or several where it is
+    undecided.
+
+    Args: agree (n, n): does each pair agree? widths (n,): of the bars; the narrowest speaks first.
+    """
+    founded: list[list[int]] = []
+    belongs: dict[int, tuple[int, ...]] = {}
+    for bar in sorted(range(len(widths)), key=lambda bar: (widths[bar], bar)):
+        fits = tuple(k for k, members in enumerate(founded) if all(agree[bar, other] for other in members))
+        if not fits:
+            fits = (len(founded),)
+            founded.append([])
+        if len(fits) == 1:
+            founded[fits[0]].append(bar)
+        belongs[bar] = fits
+    return [belongs[bar] for bar in range(len(widths))]
+
 
 LONGER = 2.0
 """Others converge so many times as long: beyond what a higher order or chance makes of a horizon."""

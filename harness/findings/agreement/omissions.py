@@ -15,7 +15,7 @@ from plumbline.harness.case.alteration import UNDROPPED
 from plumbline.harness.findings.agreement.perturbed_starts import horizon_of
 from plumbline.harness.findings.agreement.values import Agreement
 from plumbline.harness.findings.columns import Cell
-from plumbline.harness.findings.steps_taken import step_in_words, substeps_of
+from plumbline.harness.findings.parameter_words import step_in_words, substeps_of
 from plumbline.harness.search.own_limits import ANSWERED
 from plumbline.harness.store.store import Store
 from plumbline.harness.trajectory import Floats

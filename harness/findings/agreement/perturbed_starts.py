@@ -14,7 +14,7 @@ import numpy as np
 
 from plumbline.harness.case.starts import TOLERANCE as BUILT
 from plumbline.harness.findings.agreement.values import Agreement
-from plumbline.harness.findings.steps_taken import substeps_of
+from plumbline.harness.findings.parameter_words import substeps_of
 from plumbline.harness.scene import Scene
 from plumbline.harness.scene.file import parse
 from plumbline.harness.search.own_limits import ANSWERED, TOLERANCE, place_of

@@ -11,9 +11,8 @@ from operator import attrgetter
 from pathlib import PurePath
 from typing import Any
 
-from plumbline.harness.case.own_titles import OWN
-from plumbline.harness.findings.parameter_words import where_of
-from plumbline.harness.findings.steps_taken import substeps_of
+from plumbline.harness.case.undropped import OWN
+from plumbline.harness.findings.parameter_words import substeps_of, where_of
 from plumbline.harness.store.store import Store
 
 _ASKED = (

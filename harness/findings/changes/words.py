@@ -5,10 +5,10 @@ import shlex
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
 
-from plumbline.harness.case.own_titles import OWN
+from plumbline.harness.case.undropped import OWN
 from plumbline.harness.findings.changes.matching import LOST
 from plumbline.harness.findings.changes.values import Change, Changes, Judged, Value
-from plumbline.harness.findings.steps_taken import step_in_words
+from plumbline.harness.findings.parameter_words import step_in_words
 from plumbline.harness.metric.titles import metric_title
 from plumbline.harness.study.engine_versions import asked
 from plumbline.harness.study.sources import ORIGINS

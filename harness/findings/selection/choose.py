@@ -5,8 +5,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from plumbline.harness.findings.prices import priced
-from plumbline.harness.findings.selection.decide import Decider, decider
-from plumbline.harness.findings.selection.doubt import Turn, turns
+from plumbline.harness.findings.selection.decide import Decider, WhatTurns, decider, turns
 from plumbline.harness.findings.selection.evidence import Evidence, gather
 from plumbline.harness.findings.selection.rank import DRAWS, Rank, rank, resampled
 from plumbline.harness.findings.selection.wish import Dropped, Wish
@@ -30,7 +29,7 @@ class Answer:
     rank: Rank | None
     dropped: tuple[Dropped, ...]
     undecided: tuple[Dropped, ...]
-    turns: tuple[Turn, ...]
+    turns: tuple[WhatTurns, ...]
     decider: Decider | None = None
     asked: int
     noisy: tuple[int, int] = (0, 0)

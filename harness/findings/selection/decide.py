@@ -1,4 +1,5 @@
-"""What would decide between engines: the case and engine of which a built-in study, run further, can move the answer most.
+"""What would decide between engines, and what would turn the answer: another weight of a criterion or of a family of cases, one
+case less, or the case and engine of which a built-in study, run further, can move it most.
 
 Speeds are read off the steps that were run. `accuracy` runs a case's ladder: at its largest step an engine that errs less than
 asked may be faster by as much as that step is larger; one that errs more comes down to the error asked for at a smaller step,
@@ -9,15 +10,16 @@ can decide nothing there. `limits` halves brackets.
 import math
 import shlex
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 import pandas as pd
 
 from plumbline.harness.findings.prices import priced
 from plumbline.harness.findings.selection.evidence import DECADES_OF_SPEED, Evidence
-from plumbline.harness.findings.selection.rank import Floats, Resampled, first_shares
-from plumbline.harness.findings.selection.wish import Wish
+from plumbline.harness.findings.selection.rank import Floats, Resampled, first_shares, scores
+from plumbline.harness.findings.selection.wish import CRITERIA, Wish
 from plumbline.harness.findings.speed import Speed
 from plumbline.harness.store.store import Store
 
@@ -139,3 +141,42 @@ def _spent(store: Store, case: str, engine: str) -> tuple[float, int]:
     once = (pd.to_numeric(trials["cpu_per_sim_s"]).fillna(pd.to_numeric(trials["rough_cost"])) * trials["sim_seconds"]).sum()
     clocked = store.samples.loc[store.samples["trial"].isin(trials["trial"]), "wall"].sum()
     return float(once + clocked), len(trials)
+
+
+TIMES = 2.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class WhatTurns:
+    """What would put another engine first. kind: 'criterion' or 'family', weighed double; 'case', left out. name: of it. first:
+    who leads then."""
+
+    kind: Literal["criterion", "family", "case"]
+    name: str
+    first: str
+
+
+def _leader(evidence: Evidence, wish: Wish) -> str:
+    found = scores(evidence, wish)
+    return max(found, key=lambda engine: found[engine])
+
+
+def turns(evidence: Evidence, wish: Wish) -> tuple[WhatTurns, ...]:
+    """Each change that by itself turns the leader."""
+    return tuple(_turns(evidence, wish)) if len(evidence.engines) > 1 else ()
+
+
+def _turns(evidence: Evidence, wish: Wish) -> Iterator[WhatTurns]:
+    today = _leader(evidence, wish)
+    for criterion in CRITERIA:
+        heavier = replace(wish, weights={**wish.weights, criterion: TIMES * wish.weight(criterion)})
+        if (then := _leader(evidence, heavier)) != today:
+            yield WhatTurns(kind="criterion", name=criterion, first=then)
+    for family in dict.fromkeys(evidence.families[case] for case in evidence.cases):
+        cases = {case: weight * (TIMES if evidence.families[case] == family else 1) for case, weight in evidence.cases.items()}
+        if (then := _leader(replace(evidence, cases=cases), wish)) != today:
+            yield WhatTurns(kind="family", name=family, first=then)
+    for case in evidence.cases if len(evidence.cases) > 1 else ():
+        fewer = {name: weight for name, weight in evidence.cases.items() if name != case}
+        if (then := _leader(replace(evidence, cases=fewer), wish)) != today:
+            yield WhatTurns(kind="case", name=case, first=then)

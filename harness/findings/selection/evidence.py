@@ -17,10 +17,10 @@ from typing import Any, TypeVar
 from plumbline.harness.findings.agreement.found import AGREED_TRUTH
 from plumbline.harness.findings.limits_found import CONSTANT, searches_if_described
 from plumbline.harness.findings.once import once
+from plumbline.harness.findings.parameter_words import substeps_of, substeps_taken
 from plumbline.harness.findings.prices import number, priced
 from plumbline.harness.findings.selection.wish import Wish
 from plumbline.harness.findings.speed import BEYOND, Side, Speed, speeds
-from plumbline.harness.findings.steps_taken import substeps_of, substeps_taken
 from plumbline.harness.findings.tables.agreement import TABLE as AGREEMENT
 from plumbline.harness.findings.tables.determinism import repetitions
 from plumbline.harness.metric.titles import metric_title

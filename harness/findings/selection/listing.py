@@ -3,9 +3,9 @@
 from typing import Any
 
 from plumbline.harness.findings.columns import Column, Row, plain
+from plumbline.harness.findings.parameter_words import step_in_words
 from plumbline.harness.findings.selection.choose import Answer
 from plumbline.harness.findings.selection.wish import CRITERIA
-from plumbline.harness.findings.steps_taken import step_in_words
 
 COLUMNS = ("criterion", "case", "engine", "value", "low", "high", "says", "track", "dt", "substeps", "trial")
 """value: 1 is as good as is asked, 0 is of no use, with its interval low..high; says: the figure behind it. dt [s], taken in

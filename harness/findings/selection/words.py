@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 
 from plumbline.harness.findings.selection.choose import EXPRESSED, Answer
-from plumbline.harness.findings.selection.doubt import Turn
+from plumbline.harness.findings.selection.decide import WhatTurns
 from plumbline.harness.findings.selection.rank import DRAWS
 from plumbline.harness.findings.selection.wish import CRITERIA, Dropped
 
@@ -192,7 +192,7 @@ def decisive(answer: Answer, titled: Titled, called: Titled) -> tuple[str, str]:
     )
 
 
-def turn_sentences(turns: Sequence[Turn], titled: Titled, called: Titled) -> list[str]:
+def turn_sentences(turns: Sequence[WhatTurns], titled: Titled, called: Titled) -> list[str]:
     """What would put another engine first, one sentence an engine and way.
 
     Args: titled: an engine's name to its title. called: that of a case or of a family of cases."""

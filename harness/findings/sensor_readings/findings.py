@@ -15,14 +15,18 @@ from plumbline.harness.findings.columns import known
 from plumbline.harness.findings.once import once
 from plumbline.harness.findings.parameter_words import where_of
 from plumbline.harness.findings.sensor_readings.channel import RAYS, Channel, channels, rays_of
-from plumbline.harness.findings.sensor_readings.converged import converged_readings
-from plumbline.harness.findings.sensor_readings.depth import depth_levels, depth_noise
-from plumbline.harness.findings.sensor_readings.ideal import IdealErrors, ideal_errors
+from plumbline.harness.findings.sensor_readings.depth import depth_levels, depth_noise, range_histogram, ranging_noise
+from plumbline.harness.findings.sensor_readings.ideal import (
+    CameraPicture,
+    IdealErrors,
+    converged_readings,
+    first_picture,
+    ideal_errors,
+    lag_by_law,
+    lag_of,
+)
 from plumbline.harness.findings.sensor_readings.inertial import allan_curve, inertial_noise
-from plumbline.harness.findings.sensor_readings.lag import lag_by_law, lag_of
 from plumbline.harness.findings.sensor_readings.noise import SILENT, Noise, NoiseCurve
-from plumbline.harness.findings.sensor_readings.picture import CameraPicture, first_picture
-from plumbline.harness.findings.sensor_readings.ranging import range_histogram, ranging_noise
 from plumbline.harness.scene import Lidar, Scene
 from plumbline.harness.scene.file import parse
 from plumbline.harness.store.journal import StoreError

@@ -15,7 +15,7 @@ from plumbline.harness.findings.sensor_readings.noise import Noise, NoiseCurve, 
 from plumbline.harness.metrics.inertial_noise import expected_variance, octaves, overlapping_variance, variance_of_mean, windows
 from plumbline.harness.scene import AxisNoise, Imu
 from plumbline.harness.statistics.interval import Interval
-from plumbline.harness.statistics.proportion import Z_95
+from plumbline.harness.statistics.student import Z_95
 from plumbline.harness.trajectory import Floats
 
 LEAST = 96

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from plumbline.harness.statistics.interval import Interval
-from plumbline.harness.statistics.proportion import Z_95, wilson_interval
+from plumbline.harness.statistics.student import Z_95, wilson_interval
 from plumbline.harness.trajectory import Floats
 
 

@@ -14,16 +14,15 @@ from typing import Any
 import pandas as pd
 
 from plumbline.harness.findings.columns import Column, Row, Table, names, scene
+from plumbline.harness.findings.cost_point import BlockSample, SampledBlock, ratio_in_blocks, samples_by_block
 from plumbline.harness.findings.once import once
 from plumbline.harness.findings.parameter_words import in_words, other_values, where_of
-from plumbline.harness.findings.samples import BlockSample, SampledBlock, ratio_in_blocks, samples_by_block
-from plumbline.harness.search.better import ANSWERED, UNDER, Comparison, Question, compared, run_of
-from plumbline.harness.search.dominance import MAYBE, kept_parameters
+from plumbline.harness.search.dominance import ANSWERED, MAYBE, UNDER, Comparison, Question, compared, kept_parameters, run_of
 from plumbline.harness.statistics.interval import Interval
 from plumbline.harness.store.rows import grouped, records
 from plumbline.harness.store.store import Store
-from plumbline.harness.study.one_knob import OPTION, Turn, turn_between
-from plumbline.harness.study.stored_study import experiments_of
+from plumbline.harness.study.experiment import experiments_of
+from plumbline.harness.study.one_knob import OPTION, KnobTurn, turn_between
 
 DOMINATED, EXCUSED = "dominated", "excused"
 """The verdicts of a change that beats the track, without and with a reason of the adapter's."""
@@ -39,7 +38,7 @@ class TriedChange:
     Terms:
         ours: is it the engine of this project? change: the knob and its value, or the track 'default'; several are parted by
         semicolons, `count` says how many. checks: how many the case has; held_tuned, held_change: how many of them hold, at the
-        looser of both bounds. error_ratio: the change's over the track's, above the floor that `harness.search.better` says.
+        looser of both bounds. error_ratio: the change's over the track's, above the floor that `harness.search.dominance` says.
         cost: CPU time over the track's, clocked in the same blocks; a rough one has no interval. verdict: DOMINATED or EXCUSED
         if the change is better; 'no better'; 'same answer', to the last bit; 'changes nothing', so that it was not run: the
         engine resolves its settings as before; 'dearer', broken off since it could win by its cost alone; 'not clocked', if it
@@ -130,7 +129,7 @@ def _of_scene(store: Store, scene: Sequence[Row], samples: Sampled) -> list[Trie
         for row in tried
     }
     single = [_judged(row, blank, turns[row["trial"]], beside, scene, given, track, engine["trade_offs"]) for row in tried]
-    idle = [replace(blank, change=str(Turn(*turn)), verdict=IDLE) for turn in store.idle.get(track["trial"], ())]
+    idle = [replace(blank, change=str(KnobTurn(*turn)), verdict=IDLE) for turn in store.idle.get(track["trial"], ())]
     used = {change.reason for change in single if change.verdict == EXCUSED}
     stale = [
         replace(blank, change=one["knob"].removeprefix(OPTION) or "default", count=0, verdict=STALE, reason=one["why"])
@@ -166,7 +165,7 @@ def _rough(track: Row, row: Row) -> float:
 def _judged(
     row: Row,
     blank: TriedChange,
-    turn: Turn | None,
+    turn: KnobTurn | None,
     beside: Mapping[str, _Beside],
     scene: Sequence[Row],
     given: Mapping[str, Any],
@@ -214,7 +213,7 @@ def _told(row: Row, there: _Beside, given: Mapping[str, Any]) -> str:
     return f"{in_words(other_values(json.loads(row['parameters']), given))} {fared}"
 
 
-def _names(trade_off: Mapping[str, Any], turn: Turn | None) -> bool:
+def _names(trade_off: Mapping[str, Any], turn: KnobTurn | None) -> bool:
     if turn is None:
         return not trade_off["knob"] and list(trade_off["at"]) != ["ladder"]
     return trade_off["knob"] == turn.knob and (not trade_off["values"] or turn.value in trade_off["values"])

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from plumbline.harness.findings.columns import Column, Row, Table, side
-from plumbline.harness.findings.steps_taken import columns_with_substeps, with_substeps
+from plumbline.harness.findings.parameter_words import columns_with_substeps, with_substeps
 from plumbline.harness.metric import NotMeasurable
 from plumbline.harness.metrics.conservation import energy_change
 from plumbline.harness.scene.file import parse

@@ -9,6 +9,7 @@ import pandas as pd
 
 from plumbline.harness.case.alteration import EVERYTHING, REFINED
 from plumbline.harness.findings.columns import Cell, Column, Row, Table, known, names, outcome, side
+from plumbline.harness.findings.cost_point import BlockSample, SampledBlock, ratio_in_blocks, samples_by_block
 from plumbline.harness.findings.effects_audit import (
     AS_IT_IS,
     JUDGE,
@@ -21,7 +22,6 @@ from plumbline.harness.findings.effects_audit import (
 )
 from plumbline.harness.findings.once import all_once
 from plumbline.harness.findings.parameter_words import differing, in_words
-from plumbline.harness.findings.samples import BlockSample, SampledBlock, ratio_in_blocks, samples_by_block
 from plumbline.harness.search.needless_effects import Consequence, Scale, departure, matters, scale_in, weighed
 from plumbline.harness.statistics.interval import Interval
 from plumbline.harness.store.store import Store

@@ -1,10 +1,10 @@
-"""How far each engine goes along each axis at equal sub-steps, and for equal time; worked out in `harness.findings.leads`."""
+"""How far each engine goes along each axis at equal sub-steps, and for equal time; see `harness.findings.standing`."""
 
 from collections.abc import Sequence
 
 from plumbline.harness.findings.columns import Column, Row, Table, milli, names, plain, scene
-from plumbline.harness.findings.leads import Reach, reaches
 from plumbline.harness.findings.limits_found import amount, searches
+from plumbline.harness.findings.standing import Reach, reaches
 
 
 def _sentences(rows: Sequence[Row]) -> list[str]:

@@ -3,9 +3,9 @@
 from collections.abc import Iterator, Sequence
 
 from plumbline.harness.findings.columns import Column, Row, Table, names, plain
-from plumbline.harness.findings.leads import Lead, axis_leads, pair_leads, reaches
 from plumbline.harness.findings.limits_found import searches
 from plumbline.harness.findings.prices import priced
+from plumbline.harness.findings.standing import Lead, axis_leads, pair_leads, reaches
 from plumbline.harness.store.store import Store
 
 

@@ -16,9 +16,8 @@ from typing import Any, Literal
 import pandas as pd
 
 from plumbline.harness.findings.columns import Cell, Column, Table, plain
-from plumbline.harness.findings.integrators import called
 from plumbline.harness.findings.once import all_once
-from plumbline.harness.findings.parameter_words import in_words, other_values
+from plumbline.harness.findings.parameter_words import in_words, integrator_called, other_values
 from plumbline.harness.statistics.order import Order, falls_short, fit_order
 from plumbline.harness.store.rows import grouped
 from plumbline.harness.store.store import Store
@@ -120,7 +119,7 @@ def _row(cell: Cell, about: Mapping[str, Any], who: Mapping[str, Any], ladder: S
     errors = [median(rung.error for _, rung in by_step[dt]) for dt in steps]
     scale, duration = float(about.get("scale") or 1.0), float(about.get("duration") or 1.0)
     fit, outcome = verdict(steps, errors, promised, scale, duration)
-    by = " and ".join(map(called, integrators))
+    by = " and ".join(map(integrator_called, integrators))
     title = f"{about.get('title') or cell.case} on {who.get('title') or cell.engine} ({cell.track}, {by})"
     return ObservedOrder(
         **cell.cell,

@@ -4,10 +4,9 @@ from collections.abc import Sequence
 
 from plumbline.harness.findings.columns import Column, Row, Table, Titled, Titles, milli, names, scene, span
 from plumbline.harness.findings.emulations import share_in_words
-from plumbline.harness.findings.leads import cheapest
+from plumbline.harness.findings.parameter_words import step_in_words
 from plumbline.harness.findings.prices import Price, priced
-from plumbline.harness.findings.standing import counted, standing
-from plumbline.harness.findings.steps_taken import step_in_words
+from plumbline.harness.findings.standing import cheapest, counted, standing
 
 
 def _cost(row: Row) -> str:

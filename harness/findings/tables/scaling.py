@@ -18,11 +18,10 @@ import numpy as np
 import pandas as pd
 
 from plumbline.harness.findings.columns import Column, Row, Table, known, spread
+from plumbline.harness.findings.cost_point import BlockSample, Clock, SampledBlock, ratio_in_blocks, samples_by_block
 from plumbline.harness.findings.costs import PENETRATION, RESIDUAL, Cost, Exponent, Sweep, growth, no_worse, whole
 from plumbline.harness.findings.emulations import share_in_words
-from plumbline.harness.findings.parameter_words import called, differing, other_values, said
-from plumbline.harness.findings.samples import BlockSample, Clock, SampledBlock, ratio_in_blocks, samples_by_block
-from plumbline.harness.findings.steps_taken import with_substeps
+from plumbline.harness.findings.parameter_words import called, differing, other_values, said, with_substeps
 from plumbline.harness.statistics.interval import Interval
 from plumbline.harness.statistics.order import FEWEST
 from plumbline.harness.store.store import Store

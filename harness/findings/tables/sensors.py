@@ -9,9 +9,9 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from plumbline.harness.findings.columns import Column, Row, Table, names, scene, side, spread
+from plumbline.harness.findings.parameter_words import columns_with_substeps, with_substeps
 from plumbline.harness.findings.sensor_readings.findings import SKETCHES, SensorFinding, findings
 from plumbline.harness.findings.sensor_readings.noise import Noise
-from plumbline.harness.findings.steps_taken import columns_with_substeps, with_substeps
 from plumbline.harness.store.store import Store
 
 OF_NOISE = tuple(name for name in names(Noise) if name not in ("count", "why"))

@@ -10,9 +10,9 @@ from typing import Any
 
 from plumbline.harness.findings.columns import Cell, Column, Row, Table, Titled, Titles, milli, names, scene
 from plumbline.harness.findings.cost_point import CostPoint
+from plumbline.harness.findings.parameter_words import step_in_words, substeps_of
 from plumbline.harness.findings.prices import PER_SECOND, priced, unit_of
 from plumbline.harness.findings.standing import cheapness, is_reference, leaders
-from plumbline.harness.findings.steps_taken import step_in_words, substeps_of
 from plumbline.harness.store.rows import grouped, records
 from plumbline.harness.store.store import Store
 

@@ -32,10 +32,10 @@ from operator import attrgetter
 from typing import Any, TypeAlias
 
 from plumbline.harness.findings.columns import Column, Row, Table, known, plain
+from plumbline.harness.findings.parameter_words import step_in_words, with_substeps
 from plumbline.harness.findings.prices import number
-from plumbline.harness.findings.steps_taken import step_in_words, with_substeps
 from plumbline.harness.store.store import Store
-from plumbline.harness.study.stored_study import departures_of
+from plumbline.harness.study.experiment import departures_of
 
 CAUSES = ("iterations", "drives", "time step", "none (still)", "not separated")
 CHANGES = ("iterations", "law", "softer", "step", "product")

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import PurePath
 from typing import Any
 
-from plumbline.harness.case.own_titles import OWN
+from plumbline.harness.case.undropped import OWN
 from plumbline.harness.findings.agreement.costs import WITHIN
 from plumbline.harness.findings.agreement.found import agreements, errors_of
 from plumbline.harness.findings.agreement.omissions import omissions
@@ -17,7 +17,7 @@ from plumbline.harness.findings.agreement.setting_causes import settings_turned
 from plumbline.harness.findings.agreement.values import Agreement, Side
 from plumbline.harness.findings.columns import Column, Row, Table, names, plain
 from plumbline.harness.store.store import Store
-from plumbline.harness.store.zoo_record import Entry, InEngine, Stage, entries
+from plumbline.harness.store.zoo_record import InEngine, Stage, ZooEntry, entries
 
 RUNS = ("agrees", "converges elsewhere", "converges", "does not converge")
 """Verdicts of what ran to its end."""
@@ -82,7 +82,7 @@ def case_key(name: str) -> str:
     return f"{path.parent.name}/{path.name}"
 
 
-def _about(entry: Entry) -> dict[str, Any]:
+def _about(entry: ZooEntry) -> dict[str, Any]:
     return {
         "robot": entry.name, "title": entry.title, "package": entry.package, "version": entry.version,
         "licence": entry.licence, "stage": entry.stage, "bodies": entry.bodies, "joints": entry.joints,
@@ -90,7 +90,7 @@ def _about(entry: Entry) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _row(store: Store, entry: Entry, engine: InEngine, agreement: Agreement | None) -> InZoo:
+def _row(store: Store, entry: ZooEntry, engine: InEngine, agreement: Agreement | None) -> InZoo:
     about = _about(entry) | {"engine": engine.engine, "drops": " ".join(engine.drops)}
     if agreement is not None:
         about["case"] = agreement.case

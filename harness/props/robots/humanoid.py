@@ -10,7 +10,7 @@ gains are our own, of the order of humanoid robots.
 import math
 from dataclasses import dataclass, replace
 
-from plumbline.harness.props.robots.robot import MATERIAL, Robot, hinge, inertia_of
+from plumbline.harness.props.robots.robot import MATERIAL, RobotOnFeet, hinge, inertia_of
 from plumbline.harness.scene import (
     Body,
     Box,
@@ -215,7 +215,7 @@ def _trunk(hips: float, s: float) -> tuple[list[Body], list[Revolute], Vector3]:
     return bodies, hinges, shoulders
 
 
-def humanoid(stiffness: float = 1.0) -> Robot:
+def humanoid(stiffness: float = 1.0) -> RobotOnFeet:
     """The robot over the origin, facing +x, its soles on z = 0.
 
     Args: stiffness: what all stiffnesses of DRIVES are multiplied by; dampings by its root, so that damping ratios stay.
@@ -229,7 +229,7 @@ def humanoid(stiffness: float = 1.0) -> Robot:
         ):
             bodies += parts
             hinges += joints
-    standing = Robot(bodies=tuple(bodies), hinges=tuple(hinges), soles={})
+    standing = RobotOnFeet(bodies=tuple(bodies), hinges=tuple(hinges), soles={})
     # The ground's force has to pass below the centre of mass, and is taken to act below the ankle's middle across.
     below = float(standing.centre[0])
     soles: dict[str, Vector3] = {f"{side} foot": (below, way * HIPS, 0.0) for side, way in (("left", 1.0), ("right", -1.0))}

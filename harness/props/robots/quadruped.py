@@ -6,7 +6,7 @@ legs of 0.21 m and 0.18 m; Hutter et al., ANYmal, IROS 2016: 30 kg); the numbers
 
 import math
 
-from plumbline.harness.props.robots.robot import MATERIAL, Robot, hinge
+from plumbline.harness.props.robots.robot import MATERIAL, RobotOnFeet, hinge
 from plumbline.harness.scene import (
     Body,
     Box,
@@ -52,7 +52,7 @@ def _bone(name: str, mass: float, top: Vector3, turn: float, foot: bool) -> Body
     )
 
 
-def quadruped(stiffness: float = STIFFNESS, damping: float = DAMPING) -> Robot:
+def quadruped(stiffness: float = STIFFNESS, damping: float = DAMPING) -> RobotOnFeet:
     """The robot over the origin, facing +x, its feet on z = 0, with drives of `stiffness` and `damping`."""
     drive = Drive(stiffness=stiffness, damping=damping)
     height = 2 * LEG * math.cos(CROUCH) + FOOT
@@ -92,4 +92,4 @@ def quadruped(stiffness: float = STIFFNESS, damping: float = DAMPING) -> Robot:
                 hinge(f"{leg} thigh", f"{leg} shank", knee, (0.0, 1.0, 0.0), drive, -2 * CROUCH),
             ]
             soles[f"{leg} shank"] = (x, top[1], 0.0)
-    return Robot(bodies=tuple(bodies), hinges=tuple(hinges), soles=soles)
+    return RobotOnFeet(bodies=tuple(bodies), hinges=tuple(hinges), soles=soles)

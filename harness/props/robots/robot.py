@@ -19,7 +19,7 @@ MATERIAL = "machine"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Robot:
+class RobotOnFeet:
     """Bodies in a pose at rest, hinges that all have a drive, and where each foot bears.
 
     Terms:
@@ -69,7 +69,7 @@ def hinge(parent: str, child: str, anchor: Vector3, axis: Vector3, drive: Drive,
     )
 
 
-def loads(robot: Robot, gravity: Vector3) -> dict[str, Vector3]:
+def loads(robot: RobotOnFeet, gravity: Vector3) -> dict[str, Vector3]:
     """The force [N] of the ground on each foot, at its sole, that holds the robot: of all such the most even one.
 
     Raises: ValueError where its weight does not lie over its soles.
@@ -86,7 +86,7 @@ def loads(robot: Robot, gravity: Vector3) -> dict[str, Vector3]:
     return {name: tuple((share * up).tolist()) for name, share in zip(robot.soles, shares, strict=True)}
 
 
-def bearing(robot: Robot, gravity: Vector3) -> Robot:
+def bearing(robot: RobotOnFeet, gravity: Vector3) -> RobotOnFeet:
     """The same robot with targets at which it stands in its pose: target = position + torque / stiffness.
 
     The torque of a hinge balances the moments about its axis of all weights and ground forces beyond it.
@@ -108,7 +108,7 @@ def bearing(robot: Robot, gravity: Vector3) -> Robot:
     return replace(robot, hinges=tuple(held))
 
 
-def copy_of(robot: Robot, name: str, way: Vector3) -> Robot:
+def copy_of(robot: RobotOnFeet, name: str, way: Vector3) -> RobotOnFeet:
     """The same robot `way` [m] further, with `name` before the name of each part."""
 
     def moved(point: Vector3) -> Vector3:
@@ -117,7 +117,7 @@ def copy_of(robot: Robot, name: str, way: Vector3) -> Robot:
     def named(part: str) -> str:
         return f"{name} {part}"
 
-    return Robot(
+    return RobotOnFeet(
         bodies=tuple(replace(body, name=named(body.name), p_WB=moved(body.p_WB)) for body in robot.bodies),
         hinges=tuple(
             replace(

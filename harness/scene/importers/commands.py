@@ -9,9 +9,9 @@ from typing import Literal, TypeAlias, get_args
 
 from plumbline.harness.intake.allowance import allowance, beyond
 from plumbline.harness.intake.documents import InputError, named, read, regular
-from plumbline.harness.intake.magnitude import wrong_size
-from plumbline.harness.intake.refusal import RobotError, listed
+from plumbline.harness.intake.error import RobotError, listed
 from plumbline.harness.intake.safe_text import quoted
+from plumbline.harness.intake.typed_fields import wrong_size
 from plumbline.harness.scene.motion import MOST_SAMPLES, Samples
 
 TIME = "time"

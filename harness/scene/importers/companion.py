@@ -7,8 +7,8 @@ from pydantic import Field, TypeAdapter
 from pydantic.dataclasses import dataclass
 
 from plumbline.harness.intake.documents import InputError, document, named
+from plumbline.harness.intake.error import RobotError
 from plumbline.harness.intake.import_wishes import Root, Start
-from plumbline.harness.intake.refusal import RobotError
 from plumbline.harness.intake.typed_fields import FieldError, filled
 from plumbline.harness.scene import Motion, Quaternion, Sensor, Surface, Vector3
 from plumbline.harness.scene.camera import Pixels

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from plumbline.harness.intake.error import listed
 from plumbline.harness.intake.import_wishes import Omissions
-from plumbline.harness.intake.refusal import listed
 from plumbline.harness.scene.importers.fidelity import Fidelity
 from plumbline.harness.scene.importers.kinematics import Line, mass_matrix
 from plumbline.harness.scene.importers.poses import Array, crossed

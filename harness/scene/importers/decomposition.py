@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from plumbline.harness.intake.refusal import RobotError
+from plumbline.harness.intake.error import RobotError
 from plumbline.harness.intake.safe_text import readable
 from plumbline.harness.intake.user_cache import cache_folder, keep, read_kept
 from plumbline.harness.scene import ConvexHull

@@ -3,7 +3,7 @@
 from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
-from plumbline.harness.intake.refusal import listed
+from plumbline.harness.intake.error import listed
 
 Outcome = Literal["exact", "approximated", "left_out"]
 """Carried over as it is; as something else, with an error; not at all."""

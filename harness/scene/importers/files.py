@@ -8,7 +8,7 @@ from pathlib import Path
 
 from plumbline.harness.intake.allowance import beyond
 from plumbline.harness.intake.documents import InputError, named, regular
-from plumbline.harness.intake.refusal import RobotError
+from plumbline.harness.intake.error import RobotError
 from plumbline.harness.intake.safe_text import quoted
 from plumbline.harness.scene.importers.xml_text import elements
 

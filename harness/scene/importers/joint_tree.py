@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from plumbline.harness.intake.refusal import RobotError, listed
+from plumbline.harness.intake.error import RobotError, listed
 from plumbline.harness.intake.safe_text import quoted
 from plumbline.harness.scene import (
     WORLD,

@@ -10,7 +10,7 @@ from functools import cache
 from pathlib import Path
 
 from plumbline.harness.intake.documents import named
-from plumbline.harness.intake.refusal import RobotError
+from plumbline.harness.intake.error import RobotError
 from plumbline.harness.intake.safe_text import quoted
 from plumbline.harness.intake.strangers import points, trouble
 from plumbline.harness.scene.importers.importer import Importer

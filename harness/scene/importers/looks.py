@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from plumbline.harness.intake.refusal import RobotError, listed
+from plumbline.harness.intake.error import RobotError, listed
 from plumbline.harness.scene import Appearance, Body, PlacedShape, Shape, TriangleMesh
 from plumbline.harness.scene.importers.fidelity import Fidelity
 from plumbline.harness.scene.importers.meshes import Mesh, load_mesh

@@ -4,12 +4,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from itertools import combinations_with_replacement
 
-from plumbline.harness.intake.refusal import listed
+from plumbline.harness.intake.error import listed
 from plumbline.harness.scene import Surface
 from plumbline.harness.scene.importers.companion import Companion
 from plumbline.harness.scene.importers.fidelity import Fidelity
 from plumbline.harness.scene.importers.merging import Group
-from plumbline.harness.scene.importers.robot import Contacts, Robot
+from plumbline.harness.scene.importers.robot import ContactRules, Robot
 from plumbline.harness.scene.importers.settling import valid_name
 
 ASSUMED_FRICTION = 0.8
@@ -89,7 +89,7 @@ def laws_of(robot: Robot, groups: Mapping[str, Group], companion: Companion) -> 
 def _paired(
     robot: Robot, companion: Companion, materials: _Materials, neighbours: "set[frozenset[str]]", mixed: list[str]
 ) -> tuple[tuple[Surface, ...], tuple[tuple[str, str], ...], list[Fidelity]]:
-    contacts = robot.contacts or Contacts()
+    contacts = robot.contacts or ContactRules()
     stated = {law.pair: law for law in companion.surfaces}
     given = {law.pair: law for law in contacts.laws}
     base, excluded = _bases(robot, contacts)
@@ -125,7 +125,7 @@ def _paired(
     return tuple(surfaces), tuple(apart), _rows(robot, companion, assumed, mixed, spread)
 
 
-def _bases(robot: Robot, contacts: Contacts) -> tuple[dict[str, str], "set[frozenset[str]]"]:
+def _bases(robot: Robot, contacts: ContactRules) -> tuple[dict[str, str], "set[frozenset[str]]"]:
     """The file's key of each key that a link has of its own, and the pairs of keys of links that never touch."""
     base: dict[str, str] = {}
     of_link: dict[str, set[str]] = {}
@@ -149,7 +149,7 @@ def _disabled(
     still: Mapping[tuple[str, str], str],
 ) -> list[Fidelity]:
     """Rows for pairs that the file keeps apart, or lets touch, by name."""
-    contacts, rows = robot.contacts or Contacts(), list[Fidelity]()
+    contacts, rows = robot.contacts or ContactRules(), list[Fidelity]()
     owner = {link: lead for lead, group in groups.items() for link in group.members}
     shapes = {link.name: link.geometries for link in robot.links}
 

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from plumbline.harness.intake.refusal import RobotError, listed
+from plumbline.harness.intake.error import RobotError, listed
 from plumbline.harness.scene.importers.poses import IDENTITY, Array, Pose
-from plumbline.harness.scene.importers.robot import Contacts, Geometry, Link, Robot, Solid
+from plumbline.harness.scene.importers.robot import ContactRules, Geometry, Link, Robot, Solid
 from plumbline.harness.scene.importers.solids import moved, together
 
 
@@ -48,7 +48,7 @@ def grouped(robot: Robot) -> dict[str, Group]:
             owner[link.name] = lead
             members[lead][link.name] = members[lead][link.parent] @ link.X_PL
     made: dict[str, Group] = {}
-    contacts = robot.contacts or Contacts()
+    contacts = robot.contacts or ContactRules()
     for name, lead_link in leads.items():
         poses = members[name]
         solids = [moved(solid, X) for member, X in poses.items() if (solid := links[member].solid) is not None]

@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from plumbline.harness.intake.allowance import beyond
 from plumbline.harness.intake.documents import named
-from plumbline.harness.intake.refusal import RobotError
+from plumbline.harness.intake.error import RobotError
 from plumbline.harness.intake.safe_text import readable
 from plumbline.harness.scene import ConvexHull
 from plumbline.harness.scene.importers.fidelity import Fidelity

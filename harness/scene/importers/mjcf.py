@@ -11,8 +11,8 @@ from pathlib import Path
 import numpy as np
 
 from plumbline.harness.intake.documents import named
+from plumbline.harness.intake.error import RobotError, listed
 from plumbline.harness.intake.near_miss import did_you_mean
-from plumbline.harness.intake.refusal import RobotError, listed
 from plumbline.harness.intake.safe_text import quoted, readable
 from plumbline.harness.scene.importers import (
     mjcf_actuators,

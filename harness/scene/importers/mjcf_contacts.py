@@ -13,7 +13,7 @@ import numpy as np
 from plumbline.harness.scene import Surface
 from plumbline.harness.scene.importers.fidelity import Fidelity
 from plumbline.harness.scene.importers.mjcf_model import Model
-from plumbline.harness.scene.importers.robot import Contacts
+from plumbline.harness.scene.importers.robot import ContactRules
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,12 +28,12 @@ class _Sort:
     alone: int
 
 
-def read(model: Model, names: list[str]) -> tuple[dict[int, str], Contacts, list[Fidelity]]:
+def read(model: Model, names: list[str]) -> tuple[dict[int, str], ContactRules, list[Fidelity]]:
     """The contact key of each geom that can touch, the laws between keys, what is said of contacts. Args: names of bodies."""
     count = len(model.geom_type)
     if model.flag("contact") or model.flag("constraint"):
         row = Fidelity(element="geom", name="", count=count, outcome="exact", consequence="the file switches contacts off")
-        return {}, Contacts(), [row] if count else []
+        return {}, ContactRules(), [row] if count else []
     paired = {int(k) for k in (*model.pair_geom1, *model.pair_geom2)}
     sorts: dict[int, _Sort] = {}
     for k in range(count):
@@ -52,7 +52,7 @@ def read(model: Model, names: list[str]) -> tuple[dict[int, str], Contacts, list
     laws = {frozenset((keys[a], keys[b])): law for a, b in combinations_with_replacement(keys, 2) if (law := _law(a, b, keys))}
     paired_laws = _pairs(model, sorts, keys)
     laws |= paired_laws
-    contacts = Contacts(
+    contacts = ContactRules(
         laws=tuple(laws.values()),
         excluded=tuple((names[int(s) >> 16], names[int(s) & 0xFFFF]) for s in model.exclude_signature),
         paired=frozenset(paired_laws),

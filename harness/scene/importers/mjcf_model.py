@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from plumbline.harness.intake.bounded import bounded
-from plumbline.harness.intake.refusal import RobotError
+from plumbline.harness.intake.error import RobotError
 from plumbline.harness.intake.safe_text import one_line, readable
 from plumbline.harness.scene.importers import mjcf_compiler
 from plumbline.harness.scene.importers.mjcf_schema import expected, misspelt

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from plumbline.harness.intake.refusal import RobotError
+from plumbline.harness.intake.error import RobotError
 from plumbline.harness.scene import Box, Capsule, ConvexHull, Cylinder, Ellipsoid, Plane, Shape, Sphere
 from plumbline.harness.scene.importers.fidelity import Fidelity
 from plumbline.harness.scene.importers.meshes import coarser, hull_of, simplified

@@ -7,11 +7,11 @@ from xml.sax.saxutils import quoteattr
 
 from plumbline.harness.intake.allowance import beyond
 from plumbline.harness.intake.documents import named
+from plumbline.harness.intake.error import RobotError, listed
 from plumbline.harness.intake.import_wishes import Drop
-from plumbline.harness.intake.magnitude import wrong_size
 from plumbline.harness.intake.near_miss import did_you_mean
-from plumbline.harness.intake.refusal import RobotError, listed
 from plumbline.harness.intake.safe_text import quoted
+from plumbline.harness.intake.typed_fields import wrong_size
 from plumbline.harness.scene.importers.files import Folders, content, text_of
 from plumbline.harness.scene.importers.meshes import too_many_faces
 from plumbline.harness.scene.importers.xml_text import Element, elements

@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
-from plumbline.harness.intake.refusal import RobotError, listed
+from plumbline.harness.intake.error import RobotError, listed
 from plumbline.harness.intake.safe_text import quoted
 from plumbline.harness.scene import WORLD, Body, Sensor
 from plumbline.harness.scene.importers.poses import IDENTITY, Pose, pose, quaternion, vector

@@ -5,8 +5,8 @@ from dataclasses import replace
 from pathlib import Path
 
 from plumbline.harness.intake.documents import named
+from plumbline.harness.intake.error import RobotError, listed
 from plumbline.harness.intake.import_wishes import Wishes
-from plumbline.harness.intake.refusal import RobotError, listed
 from plumbline.harness.intake.safe_text import quoted
 from plumbline.harness.scene import Prismatic, Revolute, Samples, Scene
 from plumbline.harness.scene.file import load

@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 
 from plumbline.harness.intake.documents import named
+from plumbline.harness.intake.error import RobotError, listed
 from plumbline.harness.intake.import_wishes import Drop, Omissions, Wishes
-from plumbline.harness.intake.refusal import RobotError, listed
 from plumbline.harness.intake.safe_text import quoted, readable
 from plumbline.harness.scene import EARTH_GRAVITY, WORLD, Camera, DepthCamera, PlacedShape, Samples, Scene, Surface
 from plumbline.harness.scene.importers import own, scenarios

@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
 
-from plumbline.harness.intake.refusal import RobotError, listed
+from plumbline.harness.intake.error import RobotError, listed
 from plumbline.harness.intake.safe_text import quoted
 from plumbline.harness.scene import Drive, Prismatic, Revolute, Samples, Scene
 from plumbline.harness.scene.importers.commands import Log, Quantity

@@ -186,7 +186,7 @@ class Cord:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Contacts:
+class ContactRules:
     """Who touches whom, by contact keys and by links.
 
     Terms: laws: by pair of keys, those that are missing never touch. excluded: pairs of links that never touch. paired: pairs
@@ -237,7 +237,7 @@ class Robot:
     tendons: tuple[Cord, ...] = ()
     root: Literal["fixed", "floating"] | None = None
     gravity: Vector3 | None = None
-    contacts: Contacts | None = None
+    contacts: ContactRules | None = None
     filter_world: bool = True
     collide: bool = False
     sensors: tuple[Sensor, ...] = ()

@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from plumbline.harness.intake.error import RobotError
 from plumbline.harness.intake.import_wishes import Scenario, Wishes
-from plumbline.harness.intake.refusal import RobotError
 from plumbline.harness.scene import (
     Body,
     Distance,

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from plumbline.harness.intake.refusal import listed
+from plumbline.harness.intake.error import listed
 from plumbline.harness.scene import Body, ConvexHull, PlacedShape, Scene, TriangleMesh
 from plumbline.harness.scene.importers.decomposition import pieces_of
 from plumbline.harness.scene.importers.fidelity import Fidelity

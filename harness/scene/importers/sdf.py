@@ -12,7 +12,7 @@ import numpy as np
 
 from plumbline.harness.intake.allowance import beyond
 from plumbline.harness.intake.documents import named
-from plumbline.harness.intake.refusal import listed
+from plumbline.harness.intake.error import listed
 from plumbline.harness.intake.safe_text import quoted, readable
 from plumbline.harness.scene import WORLD, Sensor
 from plumbline.harness.scene.importers import sdf_grammar
@@ -68,7 +68,7 @@ def read(path: Path, reading: Reading) -> Robot:
             raise element.refuse(
                 f"another model is not fetched; 'gz sdf -p {path.name}' writes the file with all that it includes"
             )
-    left = sdf_grammar.Left()
+    left = sdf_grammar.SdfLeft()
     model, gravity, others = _chosen(root, left, reading.strict)
     scope = Scope.of(model)
     links, joints = _parts(scope, _model_pose(model, scope))
@@ -125,7 +125,7 @@ def read(path: Path, reading: Reading) -> Robot:
 
 
 def _chosen(
-    root: Element, left: sdf_grammar.Left, strict: bool
+    root: Element, left: sdf_grammar.SdfLeft, strict: bool
 ) -> tuple[Element, tuple[float, float, float] | None, list[str]]:
     """The one model, gravity where a world says it, and the names of models that stand still beside it. Raises: RobotError."""
     worlds, models = root.all("world"), root.all("model")
@@ -335,7 +335,7 @@ def _needs(links: dict[str, _Placed]) -> list[Need]:
     return needs
 
 
-def _rows(left: sdf_grammar.Left, others: list[str], links: dict[str, _Placed]) -> list[Fidelity]:
+def _rows(left: sdf_grammar.SdfLeft, others: list[str], links: dict[str, _Placed]) -> list[Fidelity]:
     rows = list[Fidelity]()
     for tag, owners in left.of_sdf.items():
         rows += Fidelity.left_out(tag, owners, sdf_grammar.why(tag))

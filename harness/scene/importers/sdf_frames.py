@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from plumbline.harness.intake.refusal import listed
+from plumbline.harness.intake.error import listed
 from plumbline.harness.intake.safe_text import quoted
 from plumbline.harness.scene.importers.poses import IDENTITY, Pose, pose
 from plumbline.harness.scene.importers.sdf_grammar import numbers, word

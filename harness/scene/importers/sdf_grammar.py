@@ -8,9 +8,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
 
-from plumbline.harness.intake.magnitude import wrong_size
 from plumbline.harness.intake.near_miss import misspelt
 from plumbline.harness.intake.safe_text import quoted, readable
+from plumbline.harness.intake.typed_fields import wrong_size
 from plumbline.harness.scene.importers.xml_text import Element
 
 SMALLEST, FARTHEST = 1e-9, 1e6
@@ -74,14 +74,14 @@ _NO_PART = {
 
 
 @dataclass(frozen=True, slots=True)
-class Left:
+class SdfLeft:
     """What was left behind. Terms: of_sdf: owners by the element's word, of SDF's own. unknown: owners by the word."""
 
     of_sdf: dict[str, list[str]] = field(default_factory=dict)
     unknown: dict[str, list[str]] = field(default_factory=dict)
 
 
-def check(element: Element, left: Left, *, strict: bool) -> None:
+def check(element: Element, left: SdfLeft, *, strict: bool) -> None:
     """Look through an element and all below it that is read.
 
     Raises: RobotError, for what stands twice, and for what may be a slip of the pen, or for all that SDF does not have.
@@ -108,7 +108,7 @@ def check(element: Element, left: Left, *, strict: bool) -> None:
 
 
 def _left_or_refused(
-    element: Element, what: str, word: str, words: tuple[str, ...], left: Left, label: str, owner: str, strict: bool
+    element: Element, what: str, word: str, words: tuple[str, ...], left: SdfLeft, label: str, owner: str, strict: bool
 ) -> None:
     near = misspelt(word, words)
     if strict or near:

@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 
-from plumbline.harness.intake.refusal import RobotError
+from plumbline.harness.intake.error import RobotError
 from plumbline.harness.intake.safe_text import readable
 from plumbline.harness.scene import Camera, DepthCamera, Imu, Lidar, Sensor
 from plumbline.harness.scene.importers.fidelity import Fidelity

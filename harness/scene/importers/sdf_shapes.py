@@ -11,7 +11,7 @@ from plumbline.harness.scene.importers.companion import Ground
 from plumbline.harness.scene.importers.fidelity import Fidelity
 from plumbline.harness.scene.importers.importer import Reading
 from plumbline.harness.scene.importers.poses import Pose
-from plumbline.harness.scene.importers.robot import Contacts, Geometry, Solid
+from plumbline.harness.scene.importers.robot import ContactRules, Geometry, Solid
 from plumbline.harness.scene.importers.sdf_frames import Scope
 from plumbline.harness.scene.importers.sdf_grammar import flag, lengths, number, numbers, word
 from plumbline.harness.scene.importers.solids import moved, together
@@ -24,7 +24,7 @@ _ALL = 0xFFFF
 
 
 @dataclass(frozen=True, slots=True)
-class _Sort:
+class _Detail:
     """What tells shapes apart for contacts. Terms: mask: two shapes touch where theirs share a bit."""
 
     friction: float
@@ -41,7 +41,7 @@ class Collisions:
     def __init__(self, reading: Reading, self_collide: bool) -> None:
         self._shapes = Shapes(reading.folders, None, reading.convex, reading.tell)
         self._self_collide = self_collide
-        self._sorts: dict[_Sort, str] = {}
+        self._sorts: dict[_Detail, str] = {}
         self._solids: dict[str, list[tuple[Solid, float | None]]] = {}
         self._apart: list[str] = []
         self._other_way: list[str] = []
@@ -103,7 +103,7 @@ class Collisions:
             case _:
                 raise form.refuse("is no shape of a scene, expected box, sphere, cylinder, capsule, ellipsoid, plane or mesh")
 
-    def _sort(self, collision: Element, label: str) -> _Sort | None:
+    def _sort(self, collision: Element, label: str) -> _Detail | None:
         """What a shape is for contacts; None where it touches nothing. Raises: RobotError."""
         surface = collision.first("surface")
         friction, bounce, contact = (
@@ -123,7 +123,7 @@ class Collisions:
             mask = _ALL if stated is None else int(stated.text.strip(), 0) & _ALL
         except ValueError:
             raise stated.refuse(f"is {quoted(stated.text.strip(), 40)}, expected a whole number") from None  # type: ignore[union-attr]
-        return _Sort(first, rebound, mask) if mask else None
+        return _Detail(first, rebound, mask) if mask else None
 
     def filled(self, link: str, density: float, inertial: Element) -> Solid:
         """The mass of a link's shapes at a density [kg/m3], or their own. Raises: RobotError, where it has none."""
@@ -137,7 +137,7 @@ class Collisions:
         self._filled.append(link)
         return together(solids)
 
-    def contacts(self) -> tuple[Contacts, list[Fidelity]]:
+    def contacts(self) -> tuple[ContactRules, list[Fidelity]]:
         """The laws between shapes and with a ground, and what is said of them."""
         laws = []
         for (a, key_A), (b, key_B) in combinations_with_replacement(self._sorts.items(), 2):
@@ -162,7 +162,7 @@ class Collisions:
         rows += Fidelity.left_out("mu2", self._other_way, "friction is alike both ways, by the first number")
         if not self._self_collide and self._sorts:
             rows += Fidelity.exact("self_collide", list(self._sorts.values()), "links that pass through each other")
-        return Contacts(laws=tuple(laws)), rows
+        return ContactRules(laws=tuple(laws)), rows
 
     def rows(self) -> list[Fidelity]:
         """What became of the shapes and masses."""

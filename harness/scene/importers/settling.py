@@ -5,9 +5,9 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from types import MappingProxyType
 
+from plumbline.harness.intake.error import RobotError, listed
 from plumbline.harness.intake.import_wishes import DROPPABLE, Drop, Omissions, Wishes
 from plumbline.harness.intake.near_miss import did_you_mean
-from plumbline.harness.intake.refusal import RobotError, listed
 from plumbline.harness.intake.safe_text import quoted
 from plumbline.harness.scene import Motion, Samples
 from plumbline.harness.scene.importers.companion import Companion, JointWish

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from plumbline.harness.intake.refusal import RobotError
+from plumbline.harness.intake.error import RobotError
 from plumbline.harness.intake.safe_text import quoted
 from plumbline.harness.scene import WORLD, Ball, Body, Distance, Fixed, Joint, Prismatic, Revolute, Scene
 from plumbline.harness.scene.importers.poses import IDENTITY, Pose, matrix, quaternion, screw, vector

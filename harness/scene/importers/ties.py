@@ -3,8 +3,8 @@
 from collections.abc import Mapping
 from dataclasses import replace
 
+from plumbline.harness.intake.error import RobotError, listed
 from plumbline.harness.intake.import_wishes import Omissions
-from plumbline.harness.intake.refusal import RobotError, listed
 from plumbline.harness.intake.safe_text import quoted
 from plumbline.harness.scene import Coupling, Joint, Prismatic, Revolute
 from plumbline.harness.scene.importers.fidelity import Fidelity

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from plumbline.harness.intake.refusal import RobotError
+from plumbline.harness.intake.error import RobotError
 from plumbline.harness.intake.safe_text import quoted
 from plumbline.harness.scene import Box, Capsule, ConvexHull, Cylinder, Ellipsoid, Shape, Sphere, TriangleMesh
 from plumbline.harness.scene.importers.companion import Units

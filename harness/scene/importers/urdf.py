@@ -11,7 +11,7 @@ import numpy as np
 
 from plumbline.harness.intake.allowance import beyond
 from plumbline.harness.intake.documents import named
-from plumbline.harness.intake.refusal import listed
+from plumbline.harness.intake.error import listed
 from plumbline.harness.intake.safe_text import readable
 from plumbline.harness.scene.importers import urdf_grammar, urdf_shapes
 from plumbline.harness.scene.importers.fidelity import Fidelity

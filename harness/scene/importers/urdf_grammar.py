@@ -9,9 +9,9 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
 
-from plumbline.harness.intake.magnitude import LARGEST, wrong_size
 from plumbline.harness.intake.near_miss import did_you_mean, misspelt
 from plumbline.harness.intake.safe_text import quoted, readable
+from plumbline.harness.intake.typed_fields import LARGEST, wrong_size
 from plumbline.harness.scene.importers.xml_text import Element
 
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")

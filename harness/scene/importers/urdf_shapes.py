@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from plumbline.harness.intake.allowance import beyond
-from plumbline.harness.intake.refusal import RobotError
+from plumbline.harness.intake.error import RobotError
 from plumbline.harness.intake.safe_text import quoted
 from plumbline.harness.scene import Box, ConvexHull, Cylinder, Shape, Sphere
 from plumbline.harness.scene.importers.decomposition import pieces_of

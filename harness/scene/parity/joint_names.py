@@ -3,8 +3,8 @@
 from pathlib import Path
 
 from plumbline.harness.intake.documents import InputError, document, named
+from plumbline.harness.intake.error import RobotError, listed
 from plumbline.harness.intake.near_miss import did_you_mean
-from plumbline.harness.intake.refusal import RobotError, listed
 from plumbline.harness.intake.safe_text import quoted
 from plumbline.harness.scene.parity.facts import RobotFacts
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from plumbline.harness.intake.refusal import RobotError, listed
+from plumbline.harness.intake.error import RobotError, listed
 from plumbline.harness.intake.safe_text import quoted
 from plumbline.harness.scene.importers.commands import Log, read_log
 from plumbline.harness.scene.importers.poses import Array

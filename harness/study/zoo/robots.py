@@ -63,7 +63,7 @@ class Packages:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Robot:
+class ZooRobot:
     """One robot of the zoo.
 
     Terms: name: unique. package, version: what brings it along; version '' where that is not installed. file: within the
@@ -80,11 +80,11 @@ class Robot:
     companion: Companion = field(default_factory=Companion)
 
 
-def robots(listing: Path = LIST) -> list[Robot]:
+def robots(listing: Path = LIST) -> list[ZooRobot]:
     """All robots, those of the menagerie first; of a package that is not installed, those that are listed here."""
     packages = filled(TypeAdapter(Packages), document(listing), listing.name).packages
     listed = [
-        Robot(
+        ZooRobot(
             name=f"{package.distribution.replace('-', '_')}.{each.name}",
             title=each.title,
             package=package.distribution,
@@ -100,14 +100,14 @@ def robots(listing: Path = LIST) -> list[Robot]:
     return [*(menagerie() if listing == LIST else ()), *listed]
 
 
-def menagerie() -> list[Robot]:
+def menagerie() -> list[ZooRobot]:
     """What the menagerie's own list names; nothing where it is not installed."""
     version = version_of(MENAGERIE)
     if not version:
         return []
     listed: Any = importlib.import_module("mujoco_menagerie")
     return [
-        Robot(
+        ZooRobot(
             name=f"menagerie.{each.name}",
             title=each.display_name,
             package=MENAGERIE,
@@ -125,7 +125,7 @@ def version_of(package: str) -> str:
     return "" if installed is None else installed.version
 
 
-def file_of(robot: Robot) -> Path:
+def file_of(robot: ZooRobot) -> Path:
     """Where the robot's file lies. Raises: NotHere."""
     if robot.package == MENAGERIE:
         return _fetched(robot.file)
@@ -138,13 +138,13 @@ def file_of(robot: Robot) -> Path:
     return path
 
 
-def roots_of(robot: Robot) -> dict[str, Path]:
+def roots_of(robot: ZooRobot) -> dict[str, Path]:
     """Where package://NAME leads to, by its name, for the files of a package that is installed."""
     installed = _distribution(robot.package)
     return {} if installed is None else {name: Path(str(installed.locate_file(folder))) for name, folder in robot.roots.items()}
 
 
-def at_hand(robot: Robot) -> bool:
+def at_hand(robot: ZooRobot) -> bool:
     """Are the robot's files on this machine, so that nothing has to be fetched?"""
     if robot.package != MENAGERIE:
         return bool(robot.version)
@@ -170,7 +170,7 @@ def _fetched(model: str) -> Path:
         raise NotHere(f"{MENAGERIE} did not get its files: {readable(str(error), 300)}") from None
 
 
-def chosen(all_robots: Sequence[Robot], globs: Sequence[str]) -> list[Robot]:
+def chosen(all_robots: Sequence[ZooRobot], globs: Sequence[str]) -> list[ZooRobot]:
     """Those that a pattern names; all without one. Raises: PlumblineError, of a pattern that names none."""
     from fnmatch import fnmatchcase
 

@@ -4,16 +4,17 @@ What one engine lacks is left out for all, so that all run the same robot: each 
 omission changes is a number then (`harness.search.refined_ladder`).
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
-from itertools import combinations
+from itertools import chain, combinations
 from pathlib import Path
+from typing import Literal
 
+from plumbline.harness.adapter import Unavailable, Unsupported
 from plumbline.harness.case.undropped import KINDS
 from plumbline.harness.intake.apart import NoAnswer, apart
-from plumbline.harness.intake.error import PlumblineError
+from plumbline.harness.intake.error import PlumblineError, RobotError
 from plumbline.harness.intake.import_wishes import Wishes
-from plumbline.harness.intake.refusal import RobotError
 from plumbline.harness.scene import Prismatic, Revolute, Scene
 from plumbline.harness.scene.importers.companion import Companion
 from plumbline.harness.scene.importers.imported import Imported
@@ -21,13 +22,91 @@ from plumbline.harness.scene.importers.reading import imported, robot_of
 from plumbline.harness.scene.importers.robot import Robot as FileRobot
 from plumbline.harness.scene.importers.settling import wordless_kinds
 from plumbline.harness.store.imported_scenes import keep
-from plumbline.harness.store.zoo_record import Entry, InEngine, Stage
+from plumbline.harness.store.zoo_record import InEngine, Stage, ZooEntry
 from plumbline.harness.study import plugins
 from plumbline.harness.study.environments import elsewhere, project_folders
 from plumbline.harness.study.experiment import Experiment
-from plumbline.harness.study.expressed import Verdict
-from plumbline.harness.study.zoo.least_drops import Drops, least, least_for, subsets
-from plumbline.harness.study.zoo.robots import NotHere, Robot, file_of, roots_of
+from plumbline.harness.study.zoo.robots import NotHere, ZooRobot, file_of, roots_of
+
+Verdict = Literal["can", "cannot", "unavailable", "failed"]
+
+
+def expressed_apart(engine: str, scene: Scene) -> tuple[Verdict, str]:
+    """Can an engine build a scene, on its track 'tuned'? With the reason where it cannot, or where it gave no answer."""
+    adapter = plugins.adapter(engine)
+    _, reason = plugins.version_of(adapter)
+    if reason is not None:
+        return "unavailable", reason
+    allowed = Experiment(name="build").deadline + adapter.compile_allowance
+    form, home = tuple[Verdict, str], elsewhere(engine)
+    try:
+        if home is None:
+            return apart(form, allowed, expressed, engine, scene)
+        return apart(form, allowed, expressed, engine, scene, interpreter=home.executable, path=project_folders())
+    except NoAnswer as error:
+        return "failed", f"build {error}"
+
+
+def expressed(engine: str, scene: Scene) -> tuple[Verdict, str]:
+    """The same, in the process that is given up to it."""
+    adapter = plugins.adapter(engine)
+    try:
+        simulation: object = adapter.build(scene, adapter.tracks["tuned"])
+        if simulation is None:
+            return "failed", "build gave None, expected a Simulation"
+        simulation.close()  # type: ignore[attr-defined]  # what it is is for `plumbline check`
+    except Unavailable as error:
+        return "unavailable", str(error)
+    except Unsupported as error:
+        return "cannot", str(error)
+    return "can", ""
+
+
+Drops = frozenset[str]
+
+
+def least(works: Callable[[Drops], bool], kinds: Collection[str]) -> Drops | None:
+    """A set of kinds that has to go for something to work, of which none can stay: the first in alphabetical order stay first.
+
+    Something works without more wherever it works without less. Returns: None where it does not work without all of them.
+    """
+    if works(frozenset()):
+        return frozenset()
+    left_out = frozenset(kinds)
+    if not works(left_out):
+        return None
+    for kind in sorted(kinds):
+        if works(left_out - {kind}):
+            left_out -= {kind}
+    return left_out
+
+
+def subsets(kinds: Collection[str]) -> list[Drops]:
+    """All sets of some of these kinds, the small ones first."""
+    ordered = sorted(kinds)
+    return [frozenset(each) for each in chain.from_iterable(combinations(ordered, size) for size in range(len(ordered) + 1))]
+
+
+def least_for(engine: str, scenes: Mapping[Drops, Scene]) -> tuple[Verdict, list[str], str]:
+    """What has to be left out for an engine to build a scene, in a process that is given up to it.
+
+    Args: scenes: by what they leave out, one for each set of some kinds. Returns: the verdict, what is left out, and why an
+    engine cannot, or what it says of the scene with nothing left out.
+    """
+    answers: dict[Drops, tuple[Literal["can", "cannot", "unavailable", "failed"], str]] = {}
+
+    def works(drops: Drops) -> bool:
+        if drops not in answers:
+            answers[drops] = expressed(engine, scenes[drops])
+        return answers[drops][0] == "can"
+
+    everything = max(scenes, key=len)
+    drops = least(works, everything)
+    if drops is None:
+        verdict, reason = answers[everything]
+        return verdict, [], reason
+    return "can", sorted(drops), answers[frozenset()][1] if drops else ""
+
 
 PATIENCE = 600.0
 """Seconds that a file may take to be read, its meshes among them."""
@@ -37,7 +116,7 @@ DURATION = 1.0
 """Seconds of a run."""
 
 
-def take_in(folder: Path, robot: Robot, engines: Sequence[str], key: str) -> Entry:
+def take_in(folder: Path, robot: ZooRobot, engines: Sequence[str], key: str) -> ZooEntry:
     """What became of a robot, whose scene is kept in the run folder where it goes in.
 
     Args: engines: names of those that are asked. key: what the answer rests on.
@@ -49,12 +128,12 @@ def take_in(folder: Path, robot: Robot, engines: Sequence[str], key: str) -> Ent
         return replace(about, stage="not read", reason=str(error))
     if stage != "in":
         return replace(about, stage=stage, reason=str(fields["reason"]))
-    return Entry.of({**about.plain(), "stage": "in", **fields})
+    return ZooEntry.of({**about.plain(), "stage": "in", **fields})
 
 
-def unread(robot: Robot, key: str) -> Entry:
+def unread(robot: ZooRobot, key: str) -> ZooEntry:
     """The entry of a robot of which nothing is known but what its package says."""
-    return Entry(
+    return ZooEntry(
         name=robot.name,
         title=robot.title,
         package=robot.package,
@@ -65,7 +144,7 @@ def unread(robot: Robot, key: str) -> Entry:
     )
 
 
-def read_apart(folder: Path, robot: Robot, engines: Sequence[str]) -> tuple[Stage, dict[str, object]]:
+def read_apart(folder: Path, robot: ZooRobot, engines: Sequence[str]) -> tuple[Stage, dict[str, object]]:
     """As `take_in`, in the process that is given up to one robot: how far it came, and the fields of its entry."""
     try:
         path = file_of(robot)
@@ -122,7 +201,7 @@ class _Reads:
         return imported(self._robot, self._companion, replace(self._wishes, drop=drops, looks=looks))
 
 
-def _read(path: Path, robot: Robot) -> tuple[_Reads, str, Drops, frozenset[str]]:
+def _read(path: Path, robot: ZooRobot) -> tuple[_Reads, str, Drops, frozenset[str]]:
     """The robot of a file, its scenario, what has to be left out of it to be a scene at all, and what else may be.
 
     A robot with a floating root is dropped, one whose root is fixed swings. Raises: RobotError.

@@ -1,6 +1,7 @@
 """The door of the interface: arguments are of the kinds that a function's annotations say, or are refused by name and value."""
 
 import os
+import sys
 from collections.abc import Callable, Mapping
 from functools import cache, wraps
 from inspect import Parameter, formatannotation, signature
@@ -36,7 +37,10 @@ def _form(hint: Any, loose: ConfigDict) -> TypeAdapter[Any]:
 
 
 def checked(function: Call) -> Call:
-    """The function with its arguments checked; NumPy's numbers become Python's."""
+    """The function with its arguments checked; NumPy's numbers become Python's.
+
+    What it refuses is told without the calls within Plumbline, which `python -X dev` shows.
+    """
     heads = signature(function)
 
     @wraps(function)
@@ -55,7 +59,12 @@ def checked(function: Call) -> Call:
                 form.validate_python(bound.arguments[name], strict=True)
             except ValidationError:
                 raise ArgumentError(f"{function.__name__}: {name}: {quoted(value)}, expected {_short(kind)}") from None
-        return function(*bound.args, **bound.kwargs)
+        try:
+            return function(*bound.args, **bound.kwargs)
+        except PlumblineError as error:
+            if not sys.flags.dev_mode:
+                error.__traceback__ = None
+            raise
 
     return call  # type: ignore[return-value]
 

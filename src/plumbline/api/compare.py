@@ -53,7 +53,7 @@ def compare(
     from plumbline.harness.findings.summary import write_summary
     from plumbline.harness.run.campaign import carry_out
     from plumbline.harness.study.experiment import StudyError
-    from plumbline.harness.study.own_scene import study_of
+    from plumbline.harness.study.study import study_of
 
     within("workers", workers, 1, 1024)
     within("budget [s]", budget, 0, 1e7)

@@ -62,7 +62,7 @@ def chosen_engines(texts: Sequence[str], agreed: bool = False) -> "dict[str, Ada
     from plumbline.harness.study import plugins
     from plumbline.harness.study.engine_versions import VersionError, version_wanted
     from plumbline.harness.study.environments import installed
-    from plumbline.harness.study.roll_call import twice
+    from plumbline.harness.study.study import twice
 
     if double := twice(texts):
         raise VersionError(f"engine {quoted(double)} is given twice, expected once")

@@ -12,7 +12,7 @@ from plumbline.api.frames import described
 from plumbline.api.results import Results, open_results
 from plumbline.harness.findings.selection import CRITERIA, PresetError, Wish, choose, read_preset
 from plumbline.harness.findings.selection.listing import ranking
-from plumbline.harness.findings.selection.preset import merged, unmatched
+from plumbline.harness.findings.selection.wish import merged, unmatched
 from plumbline.harness.intake.safe_text import quoted
 
 if TYPE_CHECKING:

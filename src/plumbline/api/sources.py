@@ -10,9 +10,9 @@ from pydantic import TypeAdapter
 
 from plumbline.api.arguments import checked, within
 from plumbline.harness.intake.documents import named
+from plumbline.harness.intake.error import RobotError
 from plumbline.harness.intake.import_wishes import Root, Scenario, Start, Wishes
 from plumbline.harness.intake.near_miss import did_you_mean
-from plumbline.harness.intake.refusal import RobotError
 from plumbline.harness.intake.safe_text import quoted
 from plumbline.harness.intake.typed_fields import FieldError, filled
 from plumbline.harness.scene import Scene

@@ -16,8 +16,7 @@ def study_and_cases(name: str, globs: Sequence[str] = ()) -> "tuple[Study, dict[
     """A study by its name or file, and those of the cases it asks about that a pattern names. Raises: StudyError."""
     from plumbline.harness.study import plugins
     from plumbline.harness.study.experiment import StudyError
-    from plumbline.harness.study.roll_call import call_roll, twice
-    from plumbline.harness.study.study import load_study
+    from plumbline.harness.study.study import call_roll, load_study, twice
 
     study = load_study(name)
     if double := twice(globs):

@@ -6,10 +6,9 @@ from math import pi, sqrt
 import numpy as np
 
 from plumbline.harness.adapter import Adapter, Feature, Settings, Unsupported
-from plumbline.harness.conformance.check import Finding, NotApplicable, check, judge, near
-from plumbline.harness.conformance.exact import angle_between
-from plumbline.harness.conformance.runs import COARSE, FINE, built, final, state_of
-from plumbline.harness.conformance.scenes import TURNED, ball, on_ground
+from plumbline.harness.conformance.check import CheckResult, NotApplicable, check, judge, near
+from plumbline.harness.conformance.room import COARSE, FINE, built, final, state_of
+from plumbline.harness.conformance.scenes import TURNED, angle_between, ball, on_ground
 from plumbline.harness.scene import (
     Body,
     Box,
@@ -28,7 +27,7 @@ _UPRIGHT: Quaternion = (1.0, 0.0, 0.0, 0.0)
 
 
 @check("Does a body of three shapes touch with each of them, the last one too?", Feature.COMPOUND | Feature.SPHERE, firm=True)
-def compound_stands_on_every_shape(adapter: Adapter, settings: Settings) -> Finding:
+def compound_stands_on_every_shape(adapter: Adapter, settings: Settings) -> CheckResult:
     """Tables whose centre of mass hangs over one leg each: whichever leg of the three is missing, one of them tips at once."""
     corners = [(0.3, 0.0), (-0.15, 0.26), (-0.15, -0.26)]
     tables = []
@@ -60,7 +59,7 @@ def compound_stands_on_every_shape(adapter: Adapter, settings: Settings) -> Find
     Feature.COMPOUND | Feature.SPHERE | Feature.BOX,
     firm=True,
 )
-def compound_keeps_the_turn_of_every_shape(adapter: Adapter, settings: Settings) -> Finding:
+def compound_keeps_the_turn_of_every_shape(adapter: Adapter, settings: Settings) -> CheckResult:
     """A frame on a ball and two long boxes, the first laid along y and the second stood upright by their q_BS.
 
     Its centre of mass hangs 5 cm beside the line of the places of its shapes: 40 cm of box hold it, 6 cm do not.
@@ -89,7 +88,7 @@ def compound_keeps_the_turn_of_every_shape(adapter: Adapter, settings: Settings)
 @check(
     "Does a plane stand where p_BS and q_BS place it in its body, or is it refused?", Feature.PLANE | Feature.SPHERE, firm=True
 )
-def plane_is_placed_in_its_body(adapter: Adapter, settings: Settings) -> Finding:
+def plane_is_placed_in_its_body(adapter: Adapter, settings: Settings) -> CheckResult:
     """A plane raised by p_BS and turned by q_BS in a body that is turned itself holds a ball; or it is refused."""
     slope = axis_angle((0.0, 1.0, 0.0), 0.5)
     wall = Body(
@@ -121,7 +120,7 @@ def plane_is_placed_in_its_body(adapter: Adapter, settings: Settings) -> Finding
 
 
 @check("Does a force act at the centre of mass, wherever the shapes are?", Feature.WRENCH, firm=True)
-def push_acts_at_the_centre_of_mass(adapter: Adapter, settings: Settings) -> Finding:
+def push_acts_at_the_centre_of_mass(adapter: Adapter, settings: Settings) -> CheckResult:
     """A force on a body whose only shape is off its centre of mass moves the centre of mass and turns nothing."""
     if not adapter.features & (Feature.SPHERE | Feature.BOX):
         raise NotApplicable("the engine claims neither a sphere nor a box that could be off the centre of mass")

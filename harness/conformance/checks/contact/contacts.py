@@ -3,10 +3,9 @@
 import numpy as np
 
 from plumbline.harness.adapter import Adapter, Feature, Settings
-from plumbline.harness.conformance.check import Comparison, Finding, check, judge, near, that
-from plumbline.harness.conformance.exact import angle_between
-from plumbline.harness.conformance.runs import COARSE, FINE, ROUNDING, built, final, record, state_of
-from plumbline.harness.conformance.scenes import G, ball, block, floor, ground, on_ground, static
+from plumbline.harness.conformance.check import CheckResult, Compared, check, judge, near, that
+from plumbline.harness.conformance.room import COARSE, FINE, ROUNDING, built, final, record, state_of
+from plumbline.harness.conformance.scenes import G, angle_between, ball, block, floor, ground, on_ground, static
 from plumbline.harness.scene import Body, Box, Effect, PlacedShape, Scene, Surface, axis_angle
 from plumbline.harness.trajectory import Contacts
 
@@ -31,7 +30,7 @@ def _supported(adapter: Adapter, settings: Settings, *, ground_first: bool, mass
     Feature.BOX | Feature.CONTACTS | Feature.CONTACT_FORCES,
     firm=True,
 )
-def contact_forces_carry_the_weight(adapter: Adapter, settings: Settings) -> Finding:
+def contact_forces_carry_the_weight(adapter: Adapter, settings: Settings) -> CheckResult:
     weight, because = 3.0 * G, "2 %: the box has settled"
     above = _supported(adapter, settings, ground_first=True, mass=3.0).force_W.sum(axis=0)
     below = _supported(adapter, settings, ground_first=False, mass=3.0).force_W.sum(axis=0)
@@ -42,8 +41,8 @@ def contact_forces_carry_the_weight(adapter: Adapter, settings: Settings) -> Fin
 
 
 @check("Does the normal point from the earlier body of the scene to the later one?", Feature.BOX | Feature.CONTACTS, firm=True)
-def contact_normal_points_from_A_to_B(adapter: Adapter, settings: Settings) -> Finding:
-    comparisons: list[Comparison] = []
+def contact_normal_points_from_A_to_B(adapter: Adapter, settings: Settings) -> CheckResult:
+    comparisons: list[Compared] = []
     for how, first, up in (("ground first", True, 1.0), ("ground last", False, -1.0)):
         got = _supported(adapter, settings, ground_first=first)
         comparisons.append(that(len(got) > 0, f"{how}: got no contact, expected at least one"))
@@ -64,7 +63,7 @@ def contact_normal_points_from_A_to_B(adapter: Adapter, settings: Settings) -> F
     Feature.SPHERE | Feature.CONTACTS,
     firm=True,
 )
-def gap_is_negative_in_penetration(adapter: Adapter, settings: Settings) -> Finding:
+def gap_is_negative_in_penetration(adapter: Adapter, settings: Settings) -> CheckResult:
     deep = 0.005
     scene = Scene(bodies=(floor(adapter), ball(p=(0.7, -0.4, 0.1 - deep))), surfaces=(ground(),), gravity=(0.0, 0.0, 0.0))
     with built(adapter, scene, settings.with_dt(FINE)) as simulation:
@@ -92,9 +91,9 @@ def gap_is_negative_in_penetration(adapter: Adapter, settings: Settings) -> Find
     "Does the point of a contact lie half-way between the two surfaces, whatever shapes meet?",
     Feature.SPHERE | Feature.BOX | Feature.CONTACTS,
 )
-def contact_point_is_half_way(adapter: Adapter, settings: Settings) -> Finding:
+def contact_point_is_half_way(adapter: Adapter, settings: Settings) -> CheckResult:
     """A ball and a box 5 mm in the ground, a ball 6.6 mm in another: the point lies gap/2 off each surface."""
-    deep, comparisons = 0.005, list[Comparison]()
+    deep, comparisons = 0.005, list[Compared]()
     pair, box = Surface(between=("block", "block")), block(half=(0.1, 0.1, 0.1), p=(0.0, 0.0, 0.1 - deep))
     on_floor = ((floor(adapter), ball(p=(0.7, -0.4, 0.1 - deep))), (floor(adapter), box))
     scenes = [(Scene(bodies=bodies, surfaces=(ground(),), gravity=(0.0, 0.0, 0.0)), np.zeros(3), 0.0) for bodies in on_floor]
@@ -125,7 +124,7 @@ def contact_point_is_half_way(adapter: Adapter, settings: Settings) -> Finding:
 @check(
     "Is a contact that is reported before the bodies meet without force, its gap above zero?", Feature.SPHERE | Feature.CONTACTS
 )
-def separated_bodies_do_not_push(adapter: Adapter, settings: Settings) -> Finding:
+def separated_bodies_do_not_push(adapter: Adapter, settings: Settings) -> CheckResult:
     scene = Scene(bodies=(floor(adapter), ball(p=(0.0, 0.0, 0.15))), surfaces=(ground(),), gravity=(0.0, 0.0, 0.0))
     with built(adapter, scene, settings.with_dt(FINE)) as simulation:
         simulation.step(5)
@@ -138,7 +137,7 @@ def separated_bodies_do_not_push(adapter: Adapter, settings: Settings) -> Findin
 
 
 @check("Do two bodies that pass at 4 mm leave each other alone?", Feature.SPHERE)
-def near_miss_leaves_no_trace(adapter: Adapter, settings: Settings) -> Finding:
+def near_miss_leaves_no_trace(adapter: Adapter, settings: Settings) -> CheckResult:
     """Two balls that pass each other at a distance of 4 mm do not feel each other."""
     a = ball("a", p=(-0.5, 0.0, 0.0), v=(2.0, 0.0, 0.0))
     b = ball("b", p=(0.0, 0.204, 0.0))
@@ -151,7 +150,7 @@ def near_miss_leaves_no_trace(adapter: Adapter, settings: Settings) -> Finding:
 
 
 @check("Is the rebound of each pair the scene's, whatever the engine's combination rule?", Feature.SPHERE | Feature.RESTITUTION)
-def restitution_of_a_pair(adapter: Adapter, settings: Settings) -> Finding:
+def restitution_of_a_pair(adapter: Adapter, settings: Settings) -> CheckResult:
     speed, comparisons = 2.0, []
     for e in (0.5, 0.8):
         dropped = ball(p=(0.0, 0.0, 0.2), v=(0.0, 0.0, -speed))
@@ -163,7 +162,7 @@ def restitution_of_a_pair(adapter: Adapter, settings: Settings) -> Finding:
 
 
 @check("Is the rebound in the mean over the phases of a step the scene's, to .5 %?", Feature.SPHERE | Feature.RESTITUTION)
-def mean_restitution_of_a_pair(adapter: Adapter, settings: Settings) -> Finding:
+def mean_restitution_of_a_pair(adapter: Adapter, settings: Settings) -> CheckResult:
     """Sixteen balls meet the ground at as many phases of the step, without gravity: what they rebound by in the mean.
 
     A stiff spring scatters with the phase, by 1 % at e = .8 and by 4 % at .5 where it was tried; the mean of 16 by a quarter.
@@ -183,7 +182,7 @@ def mean_restitution_of_a_pair(adapter: Adapter, settings: Settings) -> Finding:
 
 
 @check("Does a ball without restitution stay on the ground?", Feature.SPHERE)
-def no_restitution_does_not_bounce(adapter: Adapter, settings: Settings) -> Finding:
+def no_restitution_does_not_bounce(adapter: Adapter, settings: Settings) -> CheckResult:
     speed = 2.0
     scene = Scene(bodies=(floor(adapter), ball(p=(0.0, 0.0, 0.2), v=(0.0, 0.0, -speed))), surfaces=(ground(),))
     v = record(adapter, scene, settings.with_dt(FINE), 0.2).v_WB[:, 1, 2]
@@ -195,7 +194,7 @@ def no_restitution_does_not_bounce(adapter: Adapter, settings: Settings) -> Find
 
 
 @check("Does a stack of four boxes stand?", Feature.BOX)
-def stack_stays_up(adapter: Adapter, settings: Settings) -> Finding:
+def stack_stays_up(adapter: Adapter, settings: Settings) -> CheckResult:
     half, count = 0.1, 4
     boxes = tuple(block(f"box{k}", half=(half, half, half), p=(0.0, 0.0, half * (2 * k + 1))) for k in range(count))
     end = final(adapter, on_ground(adapter, *boxes, friction=0.0), settings.with_dt(COARSE), 1.5)
@@ -208,7 +207,7 @@ def stack_stays_up(adapter: Adapter, settings: Settings) -> Finding:
     "Where the scene asks for continuous collision, does a thin wall stop a fast ball?",
     Feature.SPHERE | Feature.BOX | Feature.CONTINUOUS_COLLISION,
 )
-def continuous_collision_stops_a_fast_ball(adapter: Adapter, settings: Settings) -> Finding:
+def continuous_collision_stops_a_fast_ball(adapter: Adapter, settings: Settings) -> CheckResult:
     """A ball of 5 cm at 100 m/s against a wall of 1 cm, at five phases of the step of .42 m."""
     comparisons = []
     for phase in range(5):
@@ -223,7 +222,7 @@ def continuous_collision_stops_a_fast_ball(adapter: Adapter, settings: Settings)
 
 
 @check("Is the momentum of two colliding bodies of different mass kept?", Feature.SPHERE)
-def action_equals_reaction(adapter: Adapter, settings: Settings) -> Finding:
+def action_equals_reaction(adapter: Adapter, settings: Settings) -> CheckResult:
     scene = Scene(
         bodies=(
             ball("light", mass=1.0, p=(-0.3, 0.0, 0.0), v=(2.0, 0.0, 0.0)),
@@ -244,7 +243,7 @@ def action_equals_reaction(adapter: Adapter, settings: Settings) -> Finding:
 
 
 @check("Does a static body stay where it is, whatever falls on it?", Feature.BOX | Feature.SPHERE, firm=True)
-def static_body_never_moves(adapter: Adapter, settings: Settings) -> Finding:
+def static_body_never_moves(adapter: Adapter, settings: Settings) -> CheckResult:
     wall = Body(
         name="wall",
         motion="static",
@@ -268,7 +267,7 @@ def static_body_never_moves(adapter: Adapter, settings: Settings) -> Finding:
     Feature.BOX | Feature.KINEMATIC,
     firm=True,
 )
-def kinematic_body_keeps_its_velocity(adapter: Adapter, settings: Settings) -> Finding:
+def kinematic_body_keeps_its_velocity(adapter: Adapter, settings: Settings) -> CheckResult:
     v, w, t = np.array([0.2, -0.1, 0.05]), (0.0, 0.0, 0.5), 0.3
     belt = Body(
         name="belt",

@@ -6,8 +6,8 @@ from math import inf
 import numpy as np
 
 from plumbline.harness.adapter import Adapter, Feature, Settings, Unsupported
-from plumbline.harness.conformance.check import Comparison, Finding, NotApplicable, check, judge, near, that
-from plumbline.harness.conformance.runs import FINE, built, state_of
+from plumbline.harness.conformance.check import CheckResult, Compared, NotApplicable, check, judge, near, that
+from plumbline.harness.conformance.room import FINE, built, state_of
 from plumbline.harness.conformance.scenes import G, ball, block, ground, on_ground, static
 from plumbline.harness.scene import Body, Box, Capsule, Cylinder, Ellipsoid, PlacedShape, Plane, Scene, Shape, Sphere, Vector3
 from plumbline.harness.trajectory import Floats
@@ -35,13 +35,13 @@ def _upright(name: str, shape: Shape, p_WB: Vector3, material: str) -> Body:
     Feature.CONTACTS,
     firm=True,
 )
-def contacts_of_every_pair_of_shapes(adapter: Adapter, settings: Settings) -> Finding:
+def contacts_of_every_pair_of_shapes(adapter: Adapter, settings: Settings) -> CheckResult:
     """Each shape stands in the middle of each other one, sunk in by 4 mm, without gravity; in the scene above and below.
 
     One step lies between the places before and after; the gap is one of theirs or between, whenever it was read.
     """
     claimed = [(shape, height) for feature, shape, height in _SHAPES if feature in adapter.features]
-    comparisons: list[Comparison] = []
+    comparisons: list[Compared] = []
     for (below, low), (above, high) in combinations_with_replacement(claimed, 2):
         if isinstance(above, Plane):
             continue
@@ -104,7 +104,7 @@ def _momenta(
     return np.array(gained), np.array(impulses)
 
 
-def _balanced(what: str, gained: Floats, impulses: Floats) -> Finding:
+def _balanced(what: str, gained: Floats, impulses: Floats) -> CheckResult:
     peak = float(np.abs(gained).max())
     worst = float(np.abs(gained - impulses).max()) / peak if peak > 0 else inf
     total = np.abs((gained - impulses).sum(axis=0)).max() / float(np.abs(gained).sum(axis=0).max())
@@ -115,7 +115,7 @@ def _balanced(what: str, gained: Floats, impulses: Floats) -> Finding:
 
 
 @check("Is the contact force of each step what changes the momentum in that step, friction included?", _NEEDS, firm=True)
-def contact_forces_move_what_they_touch(adapter: Adapter, settings: Settings) -> Finding:
+def contact_forces_move_what_they_touch(adapter: Adapter, settings: Settings) -> CheckResult:
     """A ball lands askew on a rough ground: its blow lasts some steps, its friction until it rolls."""
     landing = ball(p=(0.0, 0.0, 0.11), v=(1.0, 0.5, -1.0))
     return _balanced("landing", *_momenta(adapter, settings, landing, 60, 0.3, 0.0))
@@ -126,14 +126,14 @@ def contact_forces_move_what_they_touch(adapter: Adapter, settings: Settings) ->
     _NEEDS | Feature.RESTITUTION,
     firm=True,
 )
-def contact_forces_end_with_the_contact(adapter: Adapter, settings: Settings) -> Finding:
+def contact_forces_end_with_the_contact(adapter: Adapter, settings: Settings) -> CheckResult:
     """A ball bounces and flies on, and no force is said to act in its flight."""
     bouncing = ball(p=(0.0, 0.0, 0.11), v=(0.0, 0.0, -2.0))
     return _balanced("rebound", *_momenta(adapter, settings, bouncing, 100, 0.0, 0.5))
 
 
 @check("Is the friction of a sliding contact mu times its normal force, to .15 %?", _NEEDS)
-def sliding_contact_is_on_its_cone(adapter: Adapter, settings: Settings) -> Finding:
+def sliding_contact_is_on_its_cone(adapter: Adapter, settings: Settings) -> CheckResult:
     """A sliding ball has one contact, whose friction is mu N and against the slip, to rounding in every engine tried.
 
     It slides until 2 v/(7 mu g) = .1 s; judged are the steps in contact of the first 60 ms.

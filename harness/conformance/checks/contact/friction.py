@@ -6,8 +6,8 @@ from math import cos, pi, radians, sin, sqrt
 import numpy as np
 
 from plumbline.harness.adapter import Adapter, Feature, Settings
-from plumbline.harness.conformance.check import Finding, check, judge, near, that
-from plumbline.harness.conformance.runs import FINE, built, final, record, state_of
+from plumbline.harness.conformance.check import CheckResult, check, judge, near, that
+from plumbline.harness.conformance.room import FINE, built, final, record, state_of
 from plumbline.harness.conformance.scenes import G, ball, block, floor, free, ground, on_ground
 from plumbline.harness.scene import Body, Scene, Surface, Vector3
 from plumbline.harness.trajectory import Floats
@@ -44,7 +44,7 @@ def _braking(adapter: Adapter, settings: Settings, scene: Scene, start: float = 
     Feature.BOX,
     firm=True,
 )
-def pair_surface_is_what_the_scene_says(adapter: Adapter, settings: Settings) -> Finding:
+def pair_surface_is_what_the_scene_says(adapter: Adapter, settings: Settings) -> CheckResult:
     """Three materials on one ground at .2, .8 and .5: product, least, greatest and mean rule all give other values."""
     pairs = {"ice": 0.2, "rubber": 0.8, "wood": 0.5}
     blocks = tuple(block(m, p=(0.0, 2.0 * k, 0.05), v=(3.0, 0.0, 0.0), material=m) for k, m in enumerate(pairs))
@@ -66,7 +66,7 @@ def pair_surface_is_what_the_scene_says(adapter: Adapter, settings: Settings) ->
 
 
 @check("Is kinetic friction mu times the normal force, to 2.5 %, at .2 and at .8?", Feature.BOX)
-def friction_has_its_size(adapter: Adapter, settings: Settings) -> Finding:
+def friction_has_its_size(adapter: Adapter, settings: Settings) -> CheckResult:
     """One material on two grounds at .2 and .8: the law belongs to the pair, not to the sliding body."""
     comparisons = []
     for mu in (0.2, 0.8):
@@ -78,7 +78,7 @@ def friction_has_its_size(adapter: Adapter, settings: Settings) -> Finding:
 
 
 @check("Does a sliding box stay on the ground?", Feature.BOX)
-def sliding_box_stays_down(adapter: Adapter, settings: Settings) -> Finding:
+def sliding_box_stays_down(adapter: Adapter, settings: Settings) -> CheckResult:
     """Friction must not lift: a stiff contact that couples both can throw a sliding box into the air."""
     scene = on_ground(adapter, block(v=(3.0, 0.0, 0.0)), friction=0.5)
     height = record(adapter, scene, settings.with_dt(FINE), 0.4, every=10).p_WB[:, 1, 2]
@@ -90,7 +90,7 @@ def sliding_box_stays_down(adapter: Adapter, settings: Settings) -> Finding:
     Feature.BOX | Feature.PAIR_FRICTION,
     firm=True,
 )
-def pair_friction_of_moving_bodies(adapter: Adapter, settings: Settings) -> Finding:
+def pair_friction_of_moving_bodies(adapter: Adapter, settings: Settings) -> CheckResult:
     """A block on a slab (.4) on ice (0), beside a block on the ground (.8): no rule of one number per material gives that."""
     pairs = {("ground", "slab"): 0.0, ("ground", "block"): 0.8, ("slab", "block"): 0.4, ("block", "block"): 0.0}
     slab = block("slab", half=(1.0, 0.5, 0.05), mass=5.0, material="slab")
@@ -118,7 +118,7 @@ def pair_friction_of_moving_bodies(adapter: Adapter, settings: Settings) -> Find
 
 
 @check("Is friction the same in all directions of sliding, and against the motion?", Feature.BOX)
-def friction_is_isotropic(adapter: Adapter, settings: Settings) -> Finding:
+def friction_is_isotropic(adapter: Adapter, settings: Settings) -> CheckResult:
     angles, sizes, comparisons = (0.0, 22.5, 45.0, 90.0, 200.0), [], []
     for angle in angles:
         ahead = np.array([cos(radians(angle)), sin(radians(angle))])
@@ -134,7 +134,7 @@ def friction_is_isotropic(adapter: Adapter, settings: Settings) -> Finding:
 
 
 @check("Does a box stick on a slope below mu and slide above it by the difference?", Feature.BOX)
-def friction_holds_below_the_cone(adapter: Adapter, settings: Settings) -> Finding:
+def friction_holds_below_the_cone(adapter: Adapter, settings: Settings) -> CheckResult:
     mu, t, comparisons = 0.5, 0.5, []
     for slope, slides in ((0.4, False), (0.6, True)):
         lean: Vector3 = (G * slope / sqrt(1 + slope**2), 0.0, -G / sqrt(1 + slope**2))
@@ -148,13 +148,13 @@ def friction_holds_below_the_cone(adapter: Adapter, settings: Settings) -> Findi
 
 
 @check("Does a surface without friction brake nothing?", Feature.BOX)
-def frictionless_is_frictionless(adapter: Adapter, settings: Settings) -> Finding:
+def frictionless_is_frictionless(adapter: Adapter, settings: Settings) -> CheckResult:
     end = final(adapter, on_ground(adapter, block(v=(2.0, 1.0, 0.0)), friction=0.0), settings.with_dt(FINE), 0.3)
     return judge(near("velocity of a box on ice [m/s]", end.v_WB[1, :2], (2.0, 1.0), 5e-3, "nothing brakes it"))
 
 
 @check("Does a ball roll and spin on where the scene asks for no rolling or torsional friction?", Feature.SPHERE)
-def rolling_is_free_without_rolling_friction(adapter: Adapter, settings: Settings) -> Finding:
+def rolling_is_free_without_rolling_friction(adapter: Adapter, settings: Settings) -> CheckResult:
     r, v = 0.1, 1.0
     rolling = on_ground(adapter, ball(radius=r, v=(v, 0.0, 0.0), w=(0.0, v / r, 0.0)), friction=0.5)
     spinning = on_ground(adapter, ball(radius=r, w=(0.0, 0.0, 2 * pi)), friction=0.5)
@@ -166,7 +166,7 @@ def rolling_is_free_without_rolling_friction(adapter: Adapter, settings: Setting
 
 
 @check("Does static friction hold where kinetic friction would not?", Feature.BOX | Feature.STATIC_FRICTION)
-def static_friction_above_kinetic(adapter: Adapter, settings: Settings) -> Finding:
+def static_friction_above_kinetic(adapter: Adapter, settings: Settings) -> CheckResult:
     slope = 0.5
     lean: Vector3 = (G * slope / sqrt(1 + slope**2), 0.0, -G / sqrt(1 + slope**2))
     law = Surface(between=("ground", "block"), static_friction=0.7, kinetic_friction=0.3)
@@ -181,7 +181,7 @@ def static_friction_above_kinetic(adapter: Adapter, settings: Settings) -> Findi
 
 
 @check("Is the moment of rolling friction its length in m times the normal force?", Feature.SPHERE | Feature.ROLLING_FRICTION)
-def rolling_friction_brakes(adapter: Adapter, settings: Settings) -> Finding:
+def rolling_friction_brakes(adapter: Adapter, settings: Settings) -> CheckResult:
     """A rolling ball: m a = -F, I alpha = F r - M with M = rolling_friction m g, so a = -5/7 (rolling_friction / r) g."""
     r, b, v, t = 0.1, 0.005, 2.0, 0.5
     law = Surface(between=("ground", "block"), static_friction=0.8, kinetic_friction=0.8, rolling_friction=b)
@@ -194,7 +194,7 @@ def rolling_friction_brakes(adapter: Adapter, settings: Settings) -> Finding:
 @check(
     "Is the moment of torsional friction its length in m times the normal force?", Feature.SPHERE | Feature.TORSIONAL_FRICTION
 )
-def torsional_friction_brakes(adapter: Adapter, settings: Settings) -> Finding:
+def torsional_friction_brakes(adapter: Adapter, settings: Settings) -> CheckResult:
     """A ball spinning about the normal: I alpha = -torsional_friction m g."""
     r, b, w, t = 0.1, 0.004, 20.0, 0.3
     law = Surface(between=("ground", "block"), static_friction=0.8, kinetic_friction=0.8, torsional_friction=b)

@@ -13,9 +13,9 @@ from math import cos, pi, sin, sqrt
 import numpy as np
 
 from plumbline.harness.adapter import Adapter, Feature, Settings, Unsupported
-from plumbline.harness.conformance.check import Finding, NotApplicable, check, judge, near
+from plumbline.harness.conformance.check import CheckResult, NotApplicable, check, judge, near
 from plumbline.harness.conformance.checks.contract.features import SIDES
-from plumbline.harness.conformance.runs import COARSE, FINE, final, record
+from plumbline.harness.conformance.room import COARSE, FINE, final, record
 from plumbline.harness.conformance.scenes import G, ground, on_ground, static
 from plumbline.harness.scene import (
     Body,
@@ -114,7 +114,7 @@ MOVERS: dict[str, tuple[Feature, tuple[PlacedShape, ...], Matrix3, Quaternion]] 
 """What lies on it, by name: the features, the shapes, the inertia of 1 kg [kg m2], and how it is turned to lie."""
 
 
-def _rests(support: str, mover: str, adapter: Adapter, settings: Settings) -> Finding:
+def _rests(support: str, mover: str, adapter: Adapter, settings: Settings) -> CheckResult:
     """Laid down on its support without a gap, a body of 1 kg stays at its height; or the engine refuses the pair."""
     _, bearing, top = SUPPORTS[support]
     _, shapes, inertia, q_WB = MOVERS[mover]
@@ -160,7 +160,7 @@ def rocking_period(a: float, c: float) -> float:
 
 
 @check("Does an ellipsoid that rocks have the period that its curvature gives it?", Feature.ELLIPSOID)
-def ellipsoid_rocks_by_its_curvature(adapter: Adapter, settings: Settings) -> Finding:
+def ellipsoid_rocks_by_its_curvature(adapter: Adapter, settings: Settings) -> CheckResult:
     """Let go at a tilt, it is level four times within two periods, at a quarter and every half of one later."""
     a, _, c = _AXES
     height = sqrt((a * sin(_TILT)) ** 2 + (c * cos(_TILT)) ** 2)

@@ -5,11 +5,10 @@ from math import pi, sqrt
 import numpy as np
 
 from plumbline.harness.adapter import Adapter, Feature, Settings, Unsupported
-from plumbline.harness.conformance.check import Comparison, Finding, check, judge, near
+from plumbline.harness.conformance.check import CheckResult, Compared, check, judge, near
 from plumbline.harness.conformance.checks.contract.features import CORNERS, SIDES, TWO_BLOCKS, box_mesh
-from plumbline.harness.conformance.exact import angle_between
-from plumbline.harness.conformance.runs import FINE, final
-from plumbline.harness.conformance.scenes import G, ball, block, floor, ground, on_ground, static
+from plumbline.harness.conformance.room import FINE, final
+from plumbline.harness.conformance.scenes import G, angle_between, ball, block, floor, ground, on_ground, static
 from plumbline.harness.scene import (
     Body,
     Box,
@@ -38,7 +37,7 @@ _X_UP: Quaternion = axis_angle((0.0, 1.0, 0.0), -pi / 2)
 _Y_UP: Quaternion = axis_angle((1.0, 0.0, 0.0), pi / 2)
 
 
-def _resting(adapter: Adapter, settings: Settings, shape: Shape, ways: tuple[tuple[Quaternion, float], ...]) -> Finding:
+def _resting(adapter: Adapter, settings: Settings, shape: Shape, ways: tuple[tuple[Quaternion, float], ...]) -> CheckResult:
     """Put the shape on the ground in several orientations, each with the height of its centre.
 
     Touching, it must stay there, or it is smaller than it should be. Lifted by 2 cm it must fall freely at first, or it is
@@ -73,18 +72,18 @@ def _resting(adapter: Adapter, settings: Settings, shape: Shape, ways: tuple[tup
 
 
 @check("Is a sphere's size its radius?", Feature.SPHERE, firm=True)
-def sphere_radius_is_a_radius(adapter: Adapter, settings: Settings) -> Finding:
+def sphere_radius_is_a_radius(adapter: Adapter, settings: Settings) -> CheckResult:
     return _resting(adapter, settings, Sphere(radius=0.15), ((_UPRIGHT, 0.15),))
 
 
 @check("Are a box's extents half, each along its own axis?", Feature.BOX, firm=True)
-def box_extents_are_half(adapter: Adapter, settings: Settings) -> Finding:
+def box_extents_are_half(adapter: Adapter, settings: Settings) -> CheckResult:
     shape = Box(half_extents=(0.1, 0.2, 0.3))
     return _resting(adapter, settings, shape, ((_UPRIGHT, 0.3), (_X_UP, 0.1), (_Y_UP, 0.2)))
 
 
 @check("Are the extents of a static box half as well, and is there nothing beside it?", Feature.BOX | Feature.SPHERE, firm=True)
-def box_ground_extents_are_half(adapter: Adapter, settings: Settings) -> Finding:
+def box_ground_extents_are_half(adapter: Adapter, settings: Settings) -> CheckResult:
     table = static("ground", Box(half_extents=(0.5, 0.5, 0.25)), p=(0.0, 0.0, 1.0))
     inside, outside = ball("inside", p=(0.4, 0.0, 1.35)), ball("outside", p=(0.0, 0.7, 1.35))
     scene = Scene(bodies=(table, inside, outside), surfaces=(ground(), Surface(between=("block", "block"))))
@@ -96,17 +95,17 @@ def box_ground_extents_are_half(adapter: Adapter, settings: Settings) -> Finding
 
 
 @check("Is a capsule held on its cap and on its side, by half_length + radius and by radius?", Feature.CAPSULE, firm=True)
-def capsule_is_a_capsule(adapter: Adapter, settings: Settings) -> Finding:
+def capsule_is_a_capsule(adapter: Adapter, settings: Settings) -> CheckResult:
     return _resting(adapter, settings, Capsule(radius=0.06, half_length=0.25), ((_UPRIGHT, 0.31), (_X_UP, 0.06)))
 
 
 @check("Is a cylinder held on its end and on its side, by half_length and by radius?", Feature.CYLINDER, firm=True)
-def cylinder_is_a_cylinder(adapter: Adapter, settings: Settings) -> Finding:
+def cylinder_is_a_cylinder(adapter: Adapter, settings: Settings) -> CheckResult:
     return _resting(adapter, settings, Cylinder(radius=0.12, half_length=0.25), ((_UPRIGHT, 0.25), (_X_UP, 0.12)))
 
 
 @check("Is an ellipsoid held on the end of each axis, by that semi-axis?", Feature.ELLIPSOID, firm=True)
-def ellipsoid_is_an_ellipsoid(adapter: Adapter, settings: Settings) -> Finding:
+def ellipsoid_is_an_ellipsoid(adapter: Adapter, settings: Settings) -> CheckResult:
     """It rests on each end of its axes; on the longer two it stands as a pencil does, and has no time to fall.
 
     Each in a scene of its own: an engine may know ellipsoids, and no two of them together.
@@ -117,7 +116,7 @@ def ellipsoid_is_an_ellipsoid(adapter: Adapter, settings: Settings) -> Finding:
 
 
 @check("Does a convex hull reach to its vertices and no further?", Feature.CONVEX_HULL, firm=True)
-def convex_hull_is_its_vertices(adapter: Adapter, settings: Settings) -> Finding:
+def convex_hull_is_its_vertices(adapter: Adapter, settings: Settings) -> CheckResult:
     return _resting(adapter, settings, ConvexHull(vertices=CORNERS), ((_UPRIGHT, 0.3), (_X_UP, 0.1), (_Y_UP, 0.2)))
 
 
@@ -129,7 +128,7 @@ def _on_mesh(adapter: Adapter, settings: Settings, mesh: TriangleMesh, places: t
 
 
 @check("Does a triangle mesh hold what lies on it, and nothing beside it?", Feature.TRIANGLE_MESH | Feature.SPHERE, firm=True)
-def triangle_mesh_is_its_faces(adapter: Adapter, settings: Settings) -> Finding:
+def triangle_mesh_is_its_faces(adapter: Adapter, settings: Settings) -> CheckResult:
     z = _on_mesh(adapter, settings, TriangleMesh(vertices=CORNERS, faces=SIDES), ((-0.03, -0.1), (0.6, 0.6)))
     return judge(
         near("height of the ball on the mesh [m]", z[0], 0.4, 3e-3, _GIVES),
@@ -138,13 +137,13 @@ def triangle_mesh_is_its_faces(adapter: Adapter, settings: Settings) -> Finding:
 
 
 @check("Is a mesh that is not convex either what it is, or refused?", Feature.TRIANGLE_MESH | Feature.SPHERE, firm=True)
-def triangle_mesh_is_not_its_hull(adapter: Adapter, settings: Settings) -> Finding:
+def triangle_mesh_is_not_its_hull(adapter: Adapter, settings: Settings) -> CheckResult:
     """One mesh of two blocks with a gap: a ball lies on each, one falls through the gap, which a convex hull would close."""
     mesh = TriangleMesh(vertices=TWO_BLOCKS[0], faces=TWO_BLOCKS[1])
     try:
         z = _on_mesh(adapter, settings, mesh, ((-0.53, -0.1), (0.54, 0.07), (0.0, 0.0)))
     except Unsupported as refusal:
-        return Finding("passed", f"refused: {refusal}")
+        return CheckResult("passed", f"refused: {refusal}")
     return judge(
         near("heights of the balls on the blocks of the mesh [m]", z[:2], (0.4, 0.4), 3e-3, _GIVES),
         near("height of the ball in the gap [m]", z[2], 0.4 - G * 0.15**2 / 2, 5e-3, "a mesh is not its convex hull"),
@@ -156,7 +155,7 @@ def triangle_mesh_is_not_its_hull(adapter: Adapter, settings: Settings) -> Findi
     Feature.MOVING_MESH | Feature.PLANE | Feature.BOX,
     firm=True,
 )
-def moving_mesh_is_its_faces(adapter: Adapter, settings: Settings) -> Finding:
+def moving_mesh_is_its_faces(adapter: Adapter, settings: Settings) -> CheckResult:
     """Two blocks with a gap, one mesh and one body, set down astride a post that their hull would stand on.
 
     Once on a plane with a post that is a box, once on one mesh of slab and post, which may be refused.
@@ -172,7 +171,7 @@ def moving_mesh_is_its_faces(adapter: Adapter, settings: Settings) -> Finding:
     }  # fmt: skip
     inertia = principal_inertia(0.05, 0.3, 0.27)
     body = Body(name="blocks", inertia=inertia, collision=(PlacedShape(shape=blocks),), material="block", p_WB=(0.0, 0.0, 0.3))
-    found: list[Comparison] = []
+    found: list[Compared] = []
     for name, bodies in floors.items():
         scene = Scene(bodies=(*bodies, body), surfaces=(ground(0.5),))
         try:
@@ -189,7 +188,7 @@ def moving_mesh_is_its_faces(adapter: Adapter, settings: Settings) -> Finding:
 
 
 @check("Is a plane solid below its normal, given in its own frame?", Feature.PLANE | Feature.SPHERE, firm=True)
-def plane_normal_points_out(adapter: Adapter, settings: Settings) -> Finding:
+def plane_normal_points_out(adapter: Adapter, settings: Settings) -> CheckResult:
     """Gravity along -x holds a ball against a plane with the normal +x, given in S and by turning the body."""
     comparisons = []
     for how, wall in (
@@ -203,7 +202,7 @@ def plane_normal_points_out(adapter: Adapter, settings: Settings) -> Finding:
 
 
 @check("Does a body of several shapes touch with each of them?", Feature.COMPOUND | Feature.SPHERE, firm=True)
-def compound_keeps_all_shapes(adapter: Adapter, settings: Settings) -> Finding:
+def compound_keeps_all_shapes(adapter: Adapter, settings: Settings) -> CheckResult:
     """A dumbbell lies on both its balls; with one of them missing it would tip over at once."""
     balls = tuple(PlacedShape(shape=Sphere(radius=r), p_BS=(x, 0.0, r - 0.1)) for x, r in ((-0.3, 0.1), (0.3, 0.05)))
     body = Body(
@@ -223,7 +222,7 @@ def compound_keeps_all_shapes(adapter: Adapter, settings: Settings) -> Finding:
 
 
 @check("Does a shape stand in its body where p_BS and q_BS say?", Feature.BOX, firm=True)
-def shapes_are_placed_in_B(adapter: Adapter, settings: Settings) -> Finding:
+def shapes_are_placed_in_B(adapter: Adapter, settings: Settings) -> CheckResult:
     """A long box turned by q_BS and moved by p_BS within its body stands upright on the ground."""
     placed = PlacedShape(shape=Box(half_extents=(0.3, 0.1, 0.1)), p_BS=(0.0, 0.0, 0.05), q_BS=axis_angle((0.0, 1.0, 0.0), 0.4))
     # The body is turned back by the same angle less a quarter turn, so that the box's long axis points up.
@@ -245,7 +244,7 @@ def shapes_are_placed_in_B(adapter: Adapter, settings: Settings) -> Finding:
     )
 
 
-def _tipped(adapter: Adapter, settings: Settings, support: Body) -> Finding:
+def _tipped(adapter: Adapter, settings: Settings, support: Body) -> CheckResult:
     """A cube on a slope of 1:2 with much friction: its weight passes through its face, one contact point cannot hold it."""
     slope = 0.5
     lean: Vector3 = (G * slope / sqrt(1 + slope**2), 0.0, -G / sqrt(1 + slope**2))
@@ -260,17 +259,17 @@ def _tipped(adapter: Adapter, settings: Settings, support: Body) -> Finding:
 
 
 @check("Does a box on a plane resist tipping, as a face does and a point does not?", Feature.BOX | Feature.PLANE, firm=True)
-def box_on_plane_has_a_face_contact(adapter: Adapter, settings: Settings) -> Finding:
+def box_on_plane_has_a_face_contact(adapter: Adapter, settings: Settings) -> CheckResult:
     return _tipped(adapter, settings, static("ground", Plane()))
 
 
 @check("Does a box on a box resist tipping?", Feature.BOX, firm=True)
-def box_on_box_has_a_face_contact(adapter: Adapter, settings: Settings) -> Finding:
+def box_on_box_has_a_face_contact(adapter: Adapter, settings: Settings) -> CheckResult:
     return _tipped(adapter, settings, static("ground", Box(half_extents=(5.0, 5.0, 0.5)), p=(0.0, 0.0, -0.5)))
 
 
 @check("Does a box that leans over an edge meet a box with a parallel edge, in whatever direction?", Feature.BOX, firm=True)
-def box_on_parallel_edges_is_borne(adapter: Adapter, settings: Settings) -> Finding:
+def box_on_parallel_edges_is_borne(adapter: Adapter, settings: Settings) -> CheckResult:
     """Cubes on an edge, each on a slab turned as it is: what rounding leaves of parallel edges must not hide a contact."""
     count, half = 48, 0.1
     height, t = sqrt(2) * half, 0.03

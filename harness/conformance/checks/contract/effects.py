@@ -4,9 +4,9 @@ from collections.abc import Callable
 
 from plumbline.harness.adapter import Adapter, Feature, Notice, Settings
 from plumbline.harness.adapter.notice import as_notices
-from plumbline.harness.conformance.check import Comparison, Finding, Run, check, judge, near
+from plumbline.harness.conformance.check import CheckResult, Compared, Run, check, judge, near
 from plumbline.harness.conformance.checks.contact.contacts import SOFT_REBOUND
-from plumbline.harness.conformance.runs import COARSE, FINE, built, state_of
+from plumbline.harness.conformance.room import COARSE, FINE, built, state_of
 from plumbline.harness.conformance.scenes import TURNED, G, ball, block, damped, floor, free, ground
 from plumbline.harness.scene import WORLD, Drive, Effect, Prismatic, Scene
 from plumbline.harness.trajectory import State
@@ -23,41 +23,41 @@ def _run(adapter: Adapter, scene: Scene, settings: Settings, duration: float) ->
         return state_of(simulation, scene), as_notices(simulation.warnings())
 
 
-def _or_surplus(comparison: Comparison, effect: Effect, notices: tuple[Notice, ...]) -> Finding:
+def _or_surplus(comparison: Compared, effect: Effect, notices: tuple[Notice, ...]) -> CheckResult:
     """The effect is absent, or a notice names it as surplus."""
     if not comparison.holds:
         for notice in notices:
             if notice.kind == "surplus" and notice.effect is effect:
-                return Finding("passed", f"declared: {notice}")
+                return CheckResult("passed", f"declared: {notice}")
         got = list(map(str, notices))
-        return Finding(
+        return CheckResult(
             "failed", f"{comparison.text}; got warnings {got}, expected none of the effect or 'surplus: {effect.names[0]}'"
         )
     return judge(comparison)
 
 
 @_left_out("gravity")
-def narrowed_gravity_is_left_out(adapter: Adapter, settings: Settings) -> Finding:
+def narrowed_gravity_is_left_out(adapter: Adapter, settings: Settings) -> CheckResult:
     end, warnings = _run(adapter, Scene(bodies=(free(),), narrow=Effect.GRAVITY), settings.with_dt(COARSE), 0.1)
     return _or_surplus(near("v_WB without gravity [m/s]", end.v_WB[0], (0, 0, 0), 1e-6), Effect.GRAVITY, warnings)
 
 
 @_left_out("contact", Feature.SPHERE)
-def narrowed_contact_is_left_out(adapter: Adapter, settings: Settings) -> Finding:
+def narrowed_contact_is_left_out(adapter: Adapter, settings: Settings) -> CheckResult:
     scene = Scene(bodies=(floor(adapter), ball()), surfaces=(ground(0.5),), narrow=Effect.CONTACT)
     end, warnings = _run(adapter, scene, settings.with_dt(FINE), 0.1)
     return _or_surplus(near("v_z of a ball that meets nothing [m/s]", end.v_WB[1, 2], -G * 0.1, 0.02), Effect.CONTACT, warnings)
 
 
 @_left_out("friction", Feature.BOX)
-def narrowed_friction_is_left_out(adapter: Adapter, settings: Settings) -> Finding:
+def narrowed_friction_is_left_out(adapter: Adapter, settings: Settings) -> CheckResult:
     scene = Scene(bodies=(floor(adapter), block(v=(2.0, 0.0, 0.0))), surfaces=(ground(0.5),), narrow=Effect.FRICTION)
     end, warnings = _run(adapter, scene, settings.with_dt(FINE), 0.2)
     return _or_surplus(near("v_x of a box without friction [m/s]", end.v_WB[1, 0], 2.0, 0.15), Effect.FRICTION, warnings)
 
 
 @_left_out("restitution", Feature.SPHERE | Feature.RESTITUTION)
-def narrowed_restitution_is_left_out(adapter: Adapter, settings: Settings) -> Finding:
+def narrowed_restitution_is_left_out(adapter: Adapter, settings: Settings) -> CheckResult:
     dropped = ball(p=(0.0, 0.0, 0.11), v=(0.0, 0.0, -2.0))
     scene = Scene(bodies=(floor(adapter), dropped), surfaces=(ground(restitution=0.8),), narrow=Effect.RESTITUTION)
     end, warnings = _run(adapter, scene, settings.with_dt(FINE), 0.08)
@@ -66,7 +66,7 @@ def narrowed_restitution_is_left_out(adapter: Adapter, settings: Settings) -> Fi
 
 
 @_left_out("gyroscopic")
-def narrowed_gyroscopic_is_left_out(adapter: Adapter, settings: Settings) -> Finding:
+def narrowed_gyroscopic_is_left_out(adapter: Adapter, settings: Settings) -> CheckResult:
     body = free(moments=(0.1, 0.2, 0.25), q=TURNED, w=(3.0, 1.0, -2.0))
     scene = Scene(bodies=(body,), gravity=(0.0, 0.0, 0.0), narrow=Effect.GYROSCOPIC)
     end, warnings = _run(adapter, scene, settings.with_dt(FINE), 0.1)
@@ -76,14 +76,14 @@ def narrowed_gyroscopic_is_left_out(adapter: Adapter, settings: Settings) -> Fin
 
 
 @_left_out("joints", Feature.PRISMATIC)
-def narrowed_joints_is_left_out(adapter: Adapter, settings: Settings) -> Finding:
+def narrowed_joints_is_left_out(adapter: Adapter, settings: Settings) -> CheckResult:
     joint = Prismatic(name="slide", parent=WORLD, child="body", anchor_W=(0.0, 0.0, 0.0), axis_W=(1.0, 0.0, 0.0))
     end, warnings = _run(adapter, Scene(bodies=(free(),), joints=(joint,), narrow=Effect.JOINTS), settings.with_dt(COARSE), 0.1)
     return _or_surplus(near("v_z of a body that nothing holds [m/s]", end.v_WB[0, 2], -G * 0.1, 0.02), Effect.JOINTS, warnings)
 
 
 @_left_out("drives", Feature.PRISMATIC | Feature.DRIVES)
-def narrowed_drives_is_left_out(adapter: Adapter, settings: Settings) -> Finding:
+def narrowed_drives_is_left_out(adapter: Adapter, settings: Settings) -> CheckResult:
     joint = Prismatic(
         name="slide",
         parent=WORLD,
@@ -97,7 +97,7 @@ def narrowed_drives_is_left_out(adapter: Adapter, settings: Settings) -> Finding
 
 
 @_left_out("linear damping", Feature.LINEAR_DAMPING)
-def narrowed_linear_damping_is_left_out(adapter: Adapter, settings: Settings) -> Finding:
+def narrowed_linear_damping_is_left_out(adapter: Adapter, settings: Settings) -> CheckResult:
     body = damped(free(v=(1.0, 0.0, 0.0)), linear=3.0)
     scene = Scene(bodies=(body,), gravity=(0.0, 0.0, 0.0), narrow=Effect.LINEAR_DAMPING)
     end, warnings = _run(adapter, scene, settings.with_dt(COARSE), 0.1)
@@ -105,7 +105,7 @@ def narrowed_linear_damping_is_left_out(adapter: Adapter, settings: Settings) ->
 
 
 @_left_out("angular damping", Feature.ANGULAR_DAMPING)
-def narrowed_angular_damping_is_left_out(adapter: Adapter, settings: Settings) -> Finding:
+def narrowed_angular_damping_is_left_out(adapter: Adapter, settings: Settings) -> CheckResult:
     body = damped(free(w=(0.0, 1.0, 0.0)), angular=3.0)
     scene = Scene(bodies=(body,), gravity=(0.0, 0.0, 0.0), narrow=Effect.ANGULAR_DAMPING)
     end, warnings = _run(adapter, scene, settings.with_dt(COARSE), 0.1)
@@ -113,13 +113,13 @@ def narrowed_angular_damping_is_left_out(adapter: Adapter, settings: Settings) -
 
 
 @check("Does every notice of a surplus or missing effect name one effect?", firm=True)
-def surplus_names_effects(adapter: Adapter, settings: Settings) -> Finding:
+def surplus_names_effects(adapter: Adapter, settings: Settings) -> CheckResult:
     """A scene that asks for gravity alone, of a body with unequal moments at rest: the notices name what else is computed."""
     with built(adapter, Scene(bodies=(free(moments=(0.1, 0.2, 0.25)),)), settings) as simulation:
         simulation.step(5)
         got = [notice for notice in as_notices(simulation.warnings()) if notice.kind != "note"]
     nameless = [str(notice) for notice in got if notice.effect is None or len(notice.effect.names) != 1]
     if nameless:
-        return Finding("failed", f"notices of surplus or missing effects without the one they are about: {nameless}")
+        return CheckResult("failed", f"notices of surplus or missing effects without the one they are about: {nameless}")
     surplus = [str(notice) for notice in got if notice.kind == "surplus"]
-    return Finding("passed", f"surplus effects declared: {surplus or 'none'}")
+    return CheckResult("passed", f"surplus effects declared: {surplus or 'none'}")

@@ -9,8 +9,8 @@ import numpy as np
 
 from plumbline.harness.adapter import Adapter, Feature, Settings, Simulation, Unsupported
 from plumbline.harness.adapter.notice import as_notices
-from plumbline.harness.conformance.check import Finding, check, judge, that
-from plumbline.harness.conformance.runs import built
+from plumbline.harness.conformance.check import CheckResult, check, judge, that
+from plumbline.harness.conformance.room import built
 from plumbline.harness.conformance.scenes import ball, block, damped, free, ground, static
 from plumbline.harness.scene import (
     WORLD,
@@ -320,7 +320,7 @@ def _probe(adapter: Adapter, settings: Settings, feature: Feature) -> None:
             _CALLS[feature](simulation)
 
 
-def refusal(adapter: Adapter, settings: Settings, missing: Feature) -> Finding:
+def refusal(adapter: Adapter, settings: Settings, missing: Feature) -> CheckResult:
     """Not applicable where the engine refuses each feature that it does not claim; failed where it does not."""
     silent = []
     for feature in missing:
@@ -334,12 +334,12 @@ def refusal(adapter: Adapter, settings: Settings, missing: Feature) -> Finding:
     names = ", ".join(missing.names)
     if silent:
         got = ", ".join(name for feature in silent for name in feature.names)
-        return Finding("failed", f"not claimed and yet not refused: {got}; expected Unsupported")
-    return Finding("not_applicable", f"the engine does not claim {names} and refuses it")
+        return CheckResult("failed", f"not claimed and yet not refused: {got}; expected Unsupported")
+    return CheckResult("not_applicable", f"the engine does not claim {names} and refuses it")
 
 
 @check("Does every claimed feature build and step?", firm=True)
-def claimed_features_build(adapter: Adapter, settings: Settings) -> Finding:
+def claimed_features_build(adapter: Adapter, settings: Settings) -> CheckResult:
     """Each claimed feature builds and steps."""
     comparisons = []
     for feature in adapter.features:
@@ -353,15 +353,15 @@ def claimed_features_build(adapter: Adapter, settings: Settings) -> Finding:
     return (
         judge(*comparisons)
         if comparisons
-        else Finding("passed", f"{len(adapter.features.names)} claimed features build and step")
+        else CheckResult("passed", f"{len(adapter.features.names)} claimed features build and step")
     )
 
 
 @check("Is every feature that is not claimed refused by Unsupported, never approximated in silence?", firm=True)
-def unclaimed_features_raise_unsupported(adapter: Adapter, settings: Settings) -> Finding:
+def unclaimed_features_raise_unsupported(adapter: Adapter, settings: Settings) -> CheckResult:
     """Each feature that is not claimed raises Unsupported where a scene or a call asks for it."""
     missing = ~adapter.features
     if not missing.names:
-        return Finding("not_applicable", "the engine claims every feature")
+        return CheckResult("not_applicable", "the engine claims every feature")
     finding = refusal(adapter, settings, missing)
-    return finding if finding.status == "failed" else Finding("passed", finding.message)
+    return finding if finding.status == "failed" else CheckResult("passed", finding.message)

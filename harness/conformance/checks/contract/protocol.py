@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 from plumbline.harness.adapter import Adapter, Feature, Notice, Settings, SettingsError, Simulation
-from plumbline.harness.conformance.check import CHECKS, Comparison, Finding, check, judge, near, that
-from plumbline.harness.conformance.runs import COARSE, FINE, built, state_of
+from plumbline.harness.conformance.check import CHECKS, CheckResult, Compared, check, judge, near, that
+from plumbline.harness.conformance.room import COARSE, FINE, built, state_of
 from plumbline.harness.conformance.scenes import TURNED, free, static, without_gravity
 from plumbline.harness.scene import WORLD, Box, Drive, Prismatic, Scene, Sphere
 from plumbline.harness.trajectory import State
@@ -22,7 +22,7 @@ _LIGHT = ("numpy", "scipy", "plumbline.harness")
 
 
 @check("Are both tracks there, and does every declared failure name a check that may be excused, with a reason?", firm=True)
-def declarations_are_well_formed(adapter: Adapter, _settings: Settings) -> Finding:
+def declarations_are_well_formed(adapter: Adapter, _settings: Settings) -> CheckResult:
     known = {f"{track}/{defined.name}" for track in adapter.tracks for defined in CHECKS}
     firm = {f"{track}/{defined.name}" for track in adapter.tracks for defined in CHECKS if not defined.excusable}
     declared = set(adapter.known_failures)
@@ -39,7 +39,7 @@ def declarations_are_well_formed(adapter: Adapter, _settings: Settings) -> Findi
 
 
 @check("Is the version a string?", firm=True)
-def version_is_a_string(adapter: Adapter, _settings: Settings) -> Finding:
+def version_is_a_string(adapter: Adapter, _settings: Settings) -> CheckResult:
     version = adapter.version()
     return judge(
         that(isinstance(version, str) and bool(version.strip()), f"version: got {version!r}, expected a non-empty string")
@@ -64,10 +64,10 @@ def loaded_at_once(tree: ast.AST) -> Iterator[str]:
 
 
 @check("Is the vendor's package imported inside functions only?", firm=True)
-def imports_without_its_vendor(adapter: Adapter, _settings: Settings) -> Finding:
+def imports_without_its_vendor(adapter: Adapter, _settings: Settings) -> CheckResult:
     source = inspect.getsourcefile(type(adapter))
     if source is None:
-        return Finding("failed", f"{type(adapter).__qualname__}: no source file to read its imports from")
+        return CheckResult("failed", f"{type(adapter).__qualname__}: no source file to read its imports from")
     parts = type(adapter).__module__.split(".")
     own = ".".join(parts[:3] if parts[0] == "plumbline" else parts[:1])
     allowed = {*_LIGHT, *sys.stdlib_module_names, *({own} - {adapter.distribution, adapter.name})}
@@ -84,7 +84,7 @@ def imports_without_its_vendor(adapter: Adapter, _settings: Settings) -> Finding
 
 
 @check("Does the simulation say which step, integrator and solver it really uses?", firm=True)
-def resolved_settings_are_complete(adapter: Adapter, settings: Settings) -> Finding:
+def resolved_settings_are_complete(adapter: Adapter, settings: Settings) -> CheckResult:
     asked = settings.with_dt(1 / 500)
     with built(adapter, Scene(bodies=(free(),)), asked) as simulation:
         got = simulation.resolved
@@ -100,40 +100,40 @@ def resolved_settings_are_complete(adapter: Adapter, settings: Settings) -> Find
     )
 
 
-def _refusal_of(adapter: Adapter, settings: Settings, name: str) -> Finding:
+def _refusal_of(adapter: Adapter, settings: Settings, name: str) -> CheckResult:
     try:
         adapter.build(Scene(bodies=(free(),)), settings).close()
     except SettingsError as error:
         return judge(that(name in str(error), f"SettingsError {str(error)!r} does not name {name!r}"))
-    return Finding("failed", f"{name}: got a simulation, expected SettingsError")
+    return CheckResult("failed", f"{name}: got a simulation, expected SettingsError")
 
 
 @check("Is an option that the adapter does not know an error that names it?", firm=True)
-def unknown_option_is_refused(adapter: Adapter, settings: Settings) -> Finding:
+def unknown_option_is_refused(adapter: Adapter, settings: Settings) -> CheckResult:
     return _refusal_of(adapter, replace(settings, options={**settings.options, "no_such_option": 1}), "no_such_option")
 
 
 @check("Is an integrator that the engine does not have an error that names it?", firm=True)
-def unknown_integrator_is_refused(adapter: Adapter, settings: Settings) -> Finding:
+def unknown_integrator_is_refused(adapter: Adapter, settings: Settings) -> CheckResult:
     return _refusal_of(adapter, replace(settings, integrator="no_such_integrator"), "no_such_integrator")
 
 
 @check("Is a solver that the engine does not have an error that names it?", firm=True)
-def unknown_solver_is_refused(adapter: Adapter, settings: Settings) -> Finding:
+def unknown_solver_is_refused(adapter: Adapter, settings: Settings) -> CheckResult:
     return _refusal_of(adapter, replace(settings, solver="no_such_solver"), "no_such_solver")
 
 
 @check("May close be called twice?", firm=True)
-def close_may_be_called_twice(adapter: Adapter, settings: Settings) -> Finding:
+def close_may_be_called_twice(adapter: Adapter, settings: Settings) -> CheckResult:
     simulation = adapter.build(Scene(bodies=(free(),)), settings)
     simulation.step()
     simulation.close()
     simulation.close()
-    return Finding("passed", "closed twice without an exception")
+    return CheckResult("passed", "closed twice without an exception")
 
 
 @check("Are warnings a tuple of strings or notices?", firm=True)
-def warnings_are_strings(adapter: Adapter, settings: Settings) -> Finding:
+def warnings_are_strings(adapter: Adapter, settings: Settings) -> CheckResult:
     with built(adapter, Scene(bodies=(free(),)), settings) as simulation:
         simulation.step(2)
         got = simulation.warnings()
@@ -146,7 +146,7 @@ def warnings_are_strings(adapter: Adapter, settings: Settings) -> Finding:
 
 
 @check("Is the whole state copied into the caller's arrays, so that it stays as it was?", firm=True)
-def state_is_written_into_the_given_arrays(adapter: Adapter, settings: Settings) -> Finding:
+def state_is_written_into_the_given_arrays(adapter: Adapter, settings: Settings) -> CheckResult:
     scene = without_gravity(free("a", q=TURNED, w=(1.0, 2.0, 3.0)), free("b", p=(3.0, 0.0, 0.0), v=(1.0, 0.0, 0.0)))
     with built(adapter, scene, settings.with_dt(COARSE)) as simulation:
         first = state_of(simulation, scene)
@@ -162,7 +162,7 @@ def state_is_written_into_the_given_arrays(adapter: Adapter, settings: Settings)
 
 
 @check("Are arrays that a state does not fit into refused by name?", firm=True)
-def bad_states_are_refused(adapter: Adapter, settings: Settings) -> Finding:
+def bad_states_are_refused(adapter: Adapter, settings: Settings) -> CheckResult:
     scene = without_gravity(free(), free("other", p=(5.0, 0.0, 0.0)))
     good, comparisons = State.empty(_BODIES), []
     with built(adapter, scene, settings.with_dt(COARSE)) as simulation:
@@ -182,7 +182,7 @@ def bad_states_are_refused(adapter: Adapter, settings: Settings) -> Finding:
 _BODIES = 2
 
 
-def _refused(simulation: Simulation, named: str, what: str, call: Callable[[Simulation], object]) -> Comparison:
+def _refused(simulation: Simulation, named: str, what: str, call: Callable[[Simulation], object]) -> Compared:
     """Is the call a ValueError that names the argument? Anything else, an answer or another exception, is a failure."""
     try:
         call(simulation)
@@ -216,7 +216,7 @@ def _bad_vectors() -> dict[str, Any]:
     Feature.WRENCH,
     firm=True,
 )
-def bad_wrenches_are_refused(adapter: Adapter, settings: Settings) -> Finding:
+def bad_wrenches_are_refused(adapter: Adapter, settings: Settings) -> CheckResult:
     """Each bad array as force and as torque; afterwards the bodies fly on as if nothing had been said."""
     scene = without_gravity(free(v=(1.0, 0.0, 0.0)), free("other", p=(5.0, 0.0, 0.0)))
     good, comparisons = np.zeros((_BODIES, 3)), []
@@ -233,7 +233,7 @@ def bad_wrenches_are_refused(adapter: Adapter, settings: Settings) -> Finding:
 
 
 @check("Are rays of a wrong shape, type, content or length refused by name, and a reach that is none?", Feature.RAYS, firm=True)
-def bad_rays_are_refused(adapter: Adapter, settings: Settings) -> Finding:
+def bad_rays_are_refused(adapter: Adapter, settings: Settings) -> CheckResult:
     shape = Box(half_extents=(0.5, 0.5, 0.5)) if Feature.BOX in adapter.features else Sphere(radius=0.5)
     scene = Scene(bodies=(static("target", shape),))
     o, d = np.tile((5.0, 0.0, 0.0), (_BODIES, 1)), np.tile((-1.0, 0.0, 0.0), (_BODIES, 1))
@@ -263,7 +263,7 @@ def bad_rays_are_refused(adapter: Adapter, settings: Settings) -> Finding:
     Feature.PRISMATIC | Feature.DRIVES,
     firm=True,
 )
-def bad_targets_are_refused(adapter: Adapter, settings: Settings) -> Finding:
+def bad_targets_are_refused(adapter: Adapter, settings: Settings) -> CheckResult:
     drive = Drive(stiffness=50.0, damping=20.0)
     driven = Prismatic(name="slide", parent=WORLD, child="body", anchor_W=(0.0, 0.0, 0.0), axis_W=(1.0, 0.0, 0.0), drive=drive)
     loose = replace(driven, name="loose", child="other", drive=None)

@@ -5,27 +5,27 @@ from hashlib import sha256
 import numpy as np
 
 from plumbline.harness.adapter import Adapter, Diverged, Feature, Settings, Simulation
-from plumbline.harness.conformance.check import Finding, check, judge, near, that
-from plumbline.harness.conformance.runs import COARSE, FINE, built, state_of
+from plumbline.harness.conformance.check import CheckResult, check, judge, near, that
+from plumbline.harness.conformance.room import COARSE, FINE, built, state_of
 from plumbline.harness.conformance.scenes import TURNED, ball, block, floor, free, ground, without_gravity
 from plumbline.harness.scene import WORLD, Drive, Prismatic, Scene, Surface
 from plumbline.harness.trajectory import Floats, State
 
 
-def _refused_or_seen(what: str, simulation: Simulation, scene: Scene, steps: int = 20) -> Finding:
+def _refused_or_seen(what: str, simulation: Simulation, scene: Scene, steps: int = 20) -> CheckResult:
     """After a non-finite input: an exception at once, or a state that shows it; never a healthy one."""
     try:
         for _ in range(steps):
             simulation.step()
             if not state_of(simulation, scene).finite:
-                return Finding("passed", f"{what}: the state shows it")
+                return CheckResult("passed", f"{what}: the state shows it")
     except Diverged as error:
-        return Finding("passed", f"{what}: Diverged: {error}")
-    return Finding("failed", f"{what}: got a finite state after {steps} steps, expected Diverged or a state that shows it")
+        return CheckResult("passed", f"{what}: Diverged: {error}")
+    return CheckResult("failed", f"{what}: got a finite state after {steps} steps, expected Diverged or a state that shows it")
 
 
 @check("After a NaN or an overflow, is there Diverged or a state that shows it, never a healthy one?", firm=True)
-def nan_is_reported(adapter: Adapter, settings: Settings) -> Finding:
+def nan_is_reported(adapter: Adapter, settings: Settings) -> CheckResult:
     """By a NaN force where the engine takes forces; and by a spin whose square overflows."""
     findings = []
     scene = without_gravity(free(v=(1.0, 0.0, 0.0)))
@@ -35,7 +35,7 @@ def nan_is_reported(adapter: Adapter, settings: Settings) -> Finding:
             try:
                 simulation.wrench(np.full((1, 3), np.nan), np.zeros((1, 3)))
             except (Diverged, ValueError) as error:
-                findings.append(Finding("passed", f"NaN force: refused: {error}"))
+                findings.append(CheckResult("passed", f"NaN force: refused: {error}"))
             else:
                 findings.append(_refused_or_seen("NaN force", simulation, scene))
     huge = 1e160
@@ -46,7 +46,7 @@ def nan_is_reported(adapter: Adapter, settings: Settings) -> Finding:
                 simulation.step()
             end = state_of(simulation, spin)
         except Diverged as error:
-            findings.append(Finding("passed", f"spin of 1e160 rad/s: Diverged: {error}"))
+            findings.append(CheckResult("passed", f"spin of 1e160 rad/s: Diverged: {error}"))
         else:
             with np.errstate(all="ignore"):
                 kept = float(np.linalg.norm(end.w_WB[0] / huge))
@@ -61,11 +61,11 @@ def nan_is_reported(adapter: Adapter, settings: Settings) -> Finding:
                 )
             )
     wrong = [f.message for f in findings if f.status == "failed"]
-    return Finding("failed", "; ".join(wrong)) if wrong else Finding("passed", "; ".join(f.message for f in findings))
+    return CheckResult("failed", "; ".join(wrong)) if wrong else CheckResult("passed", "; ".join(f.message for f in findings))
 
 
 @check("Is a huge but finite velocity kept, or reported as Diverged, never reset in silence?")
-def huge_state_is_not_reset(adapter: Adapter, settings: Settings) -> Finding:
+def huge_state_is_not_reset(adapter: Adapter, settings: Settings) -> CheckResult:
     """1e12 m/s is finite: either it is carried through rightly, or the engine's limit is reported as Diverged."""
     v, steps = 1e12, 20
     scene = without_gravity(free(v=(v, 0.0, 0.0)))
@@ -73,10 +73,10 @@ def huge_state_is_not_reset(adapter: Adapter, settings: Settings) -> Finding:
         try:
             simulation.step(steps)
         except Diverged as error:
-            return Finding("passed", f"Diverged: {error}")
+            return CheckResult("passed", f"Diverged: {error}")
         end = state_of(simulation, scene)
         if not end.finite:
-            return Finding("passed", "the state shows that it is not finite")
+            return CheckResult("passed", "the state shows that it is not finite")
     return judge(
         near("v_WB of a body at 1e12 m/s [m/s]", end.v_WB[0, 0], v, 1e-3 * v, "kept, or Diverged; never reset"),
         near("its way [m]", end.p_WB[0, 0], v * steps * COARSE, 1e-3 * v * steps * COARSE, "v t"),
@@ -110,14 +110,14 @@ def _alone(adapter: Adapter, scene: Scene, settings: Settings, steps: int) -> st
 
 
 @check("Do two equal runs end in the same bits?")
-def same_input_same_hash(adapter: Adapter, settings: Settings) -> Finding:
+def same_input_same_hash(adapter: Adapter, settings: Settings) -> CheckResult:
     scene = _crowd(adapter)
     first, second = (_alone(adapter, scene, settings.with_dt(COARSE), 120) for _ in range(2))
     return judge(that(first == second, f"state hashes of two equal runs: got {first} and {second}, expected the same"))
 
 
 @check("Do two simulations taken in turns give what each gives alone?", firm=True)
-def two_simulations_share_no_state(adapter: Adapter, settings: Settings) -> Finding:
+def two_simulations_share_no_state(adapter: Adapter, settings: Settings) -> CheckResult:
     """Two different scenes at different steps, taken in turns, each equal to the same run on its own."""
     first_scene, second_scene = _crowd(adapter), _crowd(adapter, 1.7)
     slow, fast = settings.with_dt(COARSE), settings.with_dt(FINE)
@@ -131,7 +131,7 @@ def two_simulations_share_no_state(adapter: Adapter, settings: Settings) -> Find
 
 
 @check("Is the future after restore the same, bit for bit, as after save?", Feature.SAVE)
-def save_and_restore_is_exact(adapter: Adapter, settings: Settings) -> Finding:
+def save_and_restore_is_exact(adapter: Adapter, settings: Settings) -> CheckResult:
     scene = _crowd(adapter)
     with built(adapter, scene, settings.with_dt(COARSE)) as simulation:
         simulation.step(40)
@@ -149,7 +149,7 @@ def save_and_restore_is_exact(adapter: Adapter, settings: Settings) -> Finding:
 
 
 @check("Does the adapter copy the arrays handed in, and leave them as they were?", Feature.WRENCH, firm=True)
-def inputs_are_left_alone(adapter: Adapter, settings: Settings) -> Finding:
+def inputs_are_left_alone(adapter: Adapter, settings: Settings) -> CheckResult:
     """What the caller hands in stays as it was, and is not kept by reference."""
     scene = without_gravity(free(), free("other", p=(5.0, 0.0, 0.0)))
     f, tau = np.zeros((2, 3)), np.zeros((2, 3))
@@ -173,7 +173,7 @@ def inputs_are_left_alone(adapter: Adapter, settings: Settings) -> Finding:
 
 
 @check("Is a state that came out of a hard contact problem finite, or Diverged?", Feature.BOX, firm=True)
-def heavy_on_light_is_finite_or_diverged(adapter: Adapter, settings: Settings) -> Finding:
+def heavy_on_light_is_finite_or_diverged(adapter: Adapter, settings: Settings) -> CheckResult:
     """50 kg on 1 kg: nothing asks for accuracy here, only that the state is finite or Diverged says that it is not."""
     scene = Scene(
         bodies=(
@@ -187,7 +187,7 @@ def heavy_on_light_is_finite_or_diverged(adapter: Adapter, settings: Settings) -
         try:
             simulation.step(60)
         except Diverged as error:
-            return Finding("passed", f"Diverged: {error}")
+            return CheckResult("passed", f"Diverged: {error}")
         end = state_of(simulation, scene)
     return judge(
         that(end.finite, "state of 50 kg on 1 kg: got a number that is not finite and no Diverged"),
@@ -201,7 +201,7 @@ def _after(simulation: Simulation, scene: Scene, steps: int = 20) -> Floats:
 
 
 @check("Does restore bring back the forces that were told when it was saved, and no others?", Feature.SAVE | Feature.WRENCH)
-def restore_brings_back_the_wrench(adapter: Adapter, settings: Settings) -> Finding:
+def restore_brings_back_the_wrench(adapter: Adapter, settings: Settings) -> CheckResult:
     """A push told after a save is forgotten with it; one told before it acts again."""
     scene = without_gravity(free(), free("other", p=(5.0, 0.0, 0.0)))
     push, none = np.zeros((2, 3)), np.zeros((2, 3))
@@ -226,7 +226,7 @@ def restore_brings_back_the_wrench(adapter: Adapter, settings: Settings) -> Find
 
 
 @check("Does restore bring back the targets of the drives?", Feature.SAVE | Feature.PRISMATIC | Feature.DRIVES)
-def restore_brings_back_the_targets(adapter: Adapter, settings: Settings) -> Finding:
+def restore_brings_back_the_targets(adapter: Adapter, settings: Settings) -> CheckResult:
     drive = Drive(stiffness=50.0, damping=20.0)
     slide = Prismatic(name="slide", parent=WORLD, child="body", anchor_W=(0.0, 0.0, 0.0), axis_W=(1.0, 0.0, 0.0), drive=drive)
     scene = Scene(bodies=(free(),), joints=(slide,), gravity=(0.0, 0.0, 0.0))

@@ -6,10 +6,9 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from plumbline.harness.adapter import Adapter, Feature, Settings
-from plumbline.harness.conformance.check import Finding, check, judge, near
-from plumbline.harness.conformance.exact import angle_between
-from plumbline.harness.conformance.runs import FINE, built, final, record, state_of
-from plumbline.harness.conformance.scenes import TURNED, G, free
+from plumbline.harness.conformance.check import CheckResult, check, judge, near
+from plumbline.harness.conformance.room import FINE, built, final, record, state_of
+from plumbline.harness.conformance.scenes import TURNED, G, angle_between, free
 from plumbline.harness.scene import WORLD, Body, Coupling, Drive, Prismatic, Revolute, Scene, Vector3, axis_angle
 
 
@@ -33,7 +32,7 @@ def _driven(*drives: Drive) -> Scene:
 
 
 @check("Does a drive's target velocity act, alone and beside its target?", Feature.PRISMATIC | Feature.DRIVES)
-def target_velocity_acts(adapter: Adapter, settings: Settings) -> Finding:
+def target_velocity_acts(adapter: Adapter, settings: Settings) -> CheckResult:
     """Without stiffness v = u (1 - e^(-c t/m)); with stiffness k as well, the body rests at target + c u/k."""
     c, u, t, m = 8.0, 0.5, 0.3, 2.0
     rest = Drive(stiffness=200.0, damping=60.0, target=0.1, target_velocity=u)
@@ -47,7 +46,7 @@ def target_velocity_acts(adapter: Adapter, settings: Settings) -> Finding:
 
 
 @check("Does a command reach every drive that it names, and no other?", Feature.PRISMATIC | Feature.DRIVES, firm=True)
-def command_reaches_every_drive(adapter: Adapter, settings: Settings) -> Finding:
+def command_reaches_every_drive(adapter: Adapter, settings: Settings) -> CheckResult:
     """Three drives at 0; the last two are sent off, then the first alone."""
     scene = _driven(*(Drive(stiffness=200.0, damping=40.0) for _ in range(3)))
     with built(adapter, scene, settings.with_dt(FINE)) as simulation:
@@ -67,7 +66,7 @@ def command_reaches_every_drive(adapter: Adapter, settings: Settings) -> Finding
     "Does a constant force in a drive's law act, alone, beside the PD law and within the limit?",
     Feature.PRISMATIC | Feature.DRIVES | Feature.FEEDFORWARD,
 )
-def feedforward_acts(adapter: Adapter, settings: Settings) -> Finding:
+def feedforward_acts(adapter: Adapter, settings: Settings) -> CheckResult:
     """Motors of 1.5 N, one of them cut off at 1 N; one beside a damper; one beside a PD law, before and after a command."""
     t, m, c = 0.3, 2.0, 8.0
     scene = _driven(
@@ -96,7 +95,7 @@ def feedforward_acts(adapter: Adapter, settings: Settings) -> Finding:
     "Does a motor between two bodies turn both, about the joint's axis and against each other?",
     Feature.REVOLUTE | Feature.DRIVES | Feature.FEEDFORWARD,
 )
-def motor_turns_two_bodies(adapter: Adapter, settings: Settings) -> Finding:
+def motor_turns_two_bodies(adapter: Adapter, settings: Settings) -> CheckResult:
     """A motor between two wheels about a slanted axis: opposite turns about that axis, each of tau t/I; the hub rests."""
     axis, tau, t = (2.0 / 3, -1.0 / 3, 2.0 / 3), 0.6, 0.3
     bodies = (free("stator", moments=(0.6, 0.6, 0.6)), free("rotor", moments=(0.3, 0.3, 0.3), q=TURNED))
@@ -131,7 +130,7 @@ def _slide(body: Body, axis: Vector3 = (1.0, 0.0, 0.0), **extra: object) -> Pris
     "Does a rotor add its inertia to a joint's coordinate, and no weight?",
     Feature.REVOLUTE | Feature.PRISMATIC | Feature.ARMATURE,
 )
-def armature_adds_inertia(adapter: Adapter, settings: Settings) -> Finding:
+def armature_adds_inertia(adapter: Adapter, settings: Settings) -> CheckResult:
     """(I + m l^2 + A) a'' = -m g l sin a of a pendulum, and (m + A) x'' = m g of a slide, whose rotor has no weight."""
     t, rotor = 1.0, 3.0
     swing = solve_ivp(lambda _, y: (y[1], -2.0 * G * sin(y[0]) / (2.2 + rotor)), (0, t), (1.0, 0.0), rtol=1e-10, atol=1e-10)
@@ -152,7 +151,7 @@ def armature_adds_inertia(adapter: Adapter, settings: Settings) -> Finding:
     "Does a rotor between two moving bodies turn with the angle between them, and react on both?",
     Feature.REVOLUTE | Feature.ARMATURE,
 )
-def armature_acts_between_bodies(adapter: Adapter, settings: Settings) -> Finding:
+def armature_acts_between_bodies(adapter: Adapter, settings: Settings) -> CheckResult:
     """Two rods on each other, a rotor at the elbow alone: it turns with the angle between them, and reacts on both.
 
     With absolute angles a, b, m = 2 kg, l = 1 m, I = .2 kg m2 and rotor A:
@@ -186,7 +185,7 @@ def armature_acts_between_bodies(adapter: Adapter, settings: Settings) -> Findin
 @check(
     "Does dry friction in a joint take as much from any speed?", Feature.REVOLUTE | Feature.PRISMATIC | Feature.FRICTION_LOSS
 )
-def dry_friction_brakes(adapter: Adapter, settings: Settings) -> Finding:
+def dry_friction_brakes(adapter: Adapter, settings: Settings) -> CheckResult:
     """m x'' = -f: 2 kg at 2 m/s stop under 3 N after m v^2 / 2 f; a hinge at -2 rad/s after I w^2 / 2 f."""
     carriage = free("carriage", v=(2.0, 0.0, 0.0))
     wheel = free("wheel", p=(0.0, 5.0, 0.0), moments=(0.3, 0.3, 0.3), w=(0.0, 0.0, -2.0))
@@ -203,7 +202,7 @@ def dry_friction_brakes(adapter: Adapter, settings: Settings) -> Finding:
 
 
 @check("Does dry friction hold a joint up to its bound, and let it go above?", Feature.PRISMATIC | Feature.FRICTION_LOSS)
-def dry_friction_holds(adapter: Adapter, settings: Settings) -> Finding:
+def dry_friction_holds(adapter: Adapter, settings: Settings) -> CheckResult:
     """Under .9 of its bound a slide stays; under 1.1 of it, it is pulled by the tenth that is left."""
     t, loss, pull = 1.0, 4.0, 2.0
     stuck, loose = free("stuck", mass=0.9 * loss / pull), free("loose", mass=1.1 * loss / pull, p=(0.0, 5.0, 0.0))
@@ -219,7 +218,7 @@ def dry_friction_holds(adapter: Adapter, settings: Settings) -> Finding:
 @check(
     "Do a drive and dry friction in one joint both keep their laws?", Feature.PRISMATIC | Feature.FRICTION_LOSS | Feature.DRIVES
 )
-def dry_friction_beside_a_drive(adapter: Adapter, settings: Settings) -> Finding:
+def dry_friction_beside_a_drive(adapter: Adapter, settings: Settings) -> CheckResult:
     """Drives of 100 N/m at a bound of 3 N: a push of 2 N moves nothing; one of 10 N moves, and stops within 3 N of its target.
 
     A drive c = 60 N s/m slow enough creeps on until its pull is f: at t -> oo, x = target - f/k, from below.
@@ -238,7 +237,7 @@ def dry_friction_beside_a_drive(adapter: Adapter, settings: Settings) -> Finding
     "Does a joint under a constant force reach its speed limit as without one, and stay at it?",
     Feature.REVOLUTE | Feature.PRISMATIC | Feature.SPEED_LIMIT | Feature.DRIVES | Feature.FEEDFORWARD,
 )
-def speed_limit_is_reached_and_kept(adapter: Adapter, settings: Settings) -> Finding:
+def speed_limit_is_reached_and_kept(adapter: Adapter, settings: Settings) -> CheckResult:
     """A slide of 2 kg under 4 N and a hinge of .3 kg m2 under -.6 N m: x' = a t up to the limit s, then x = s t - s^2 / 2 a.
 
     A third slide starts above its limit, at 2 m/s: an impulse brings it to it at once.
@@ -272,7 +271,7 @@ def speed_limit_is_reached_and_kept(adapter: Adapter, settings: Settings) -> Fin
     "Is what keeps a joint at its speed limit a force between its two bodies?",
     Feature.PRISMATIC | Feature.SPEED_LIMIT | Feature.DRIVES | Feature.FEEDFORWARD,
 )
-def speed_limit_reacts_on_both_bodies(adapter: Adapter, settings: Settings) -> Finding:
+def speed_limit_reacts_on_both_bodies(adapter: Adapter, settings: Settings) -> CheckResult:
     """2 and 3 kg on one slide, pushed apart by 6 N in space: their momenta cancel, their speeds part by the limit s.
 
     What holds the rate is a force between the two: the motor's reaction on the first is that of the second. A rate that is
@@ -298,7 +297,7 @@ def speed_limit_reacts_on_both_bodies(adapter: Adapter, settings: Settings) -> F
     "Are two coordinates tied by ratio and offset, and does each feel the other's inertia?",
     Feature.REVOLUTE | Feature.PRISMATIC | Feature.COUPLING,
 )
-def coupled_coordinates_move_as_one(adapter: Adapter, settings: Settings) -> Finding:
+def coupled_coordinates_move_as_one(adapter: Adapter, settings: Settings) -> CheckResult:
     """x = r y + b: a pendulum that drives a wheel, (I + m l^2 + J/r^2) a'' = -m g l sin a; a weight on a drum, (m + J/r^2)."""
     t, ratio, wheel_moment = 0.8, -2.0, 4.0
     inertia = 2.2 + wheel_moment / ratio**2

@@ -7,10 +7,9 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from plumbline.harness.adapter import Adapter, Feature, Settings, Unsupported
-from plumbline.harness.conformance.check import Finding, NotApplicable, check, judge, near, that
-from plumbline.harness.conformance.exact import angle_between, rotation
-from plumbline.harness.conformance.runs import COARSE, FINE, final, record
-from plumbline.harness.conformance.scenes import TURNED, G, block, free
+from plumbline.harness.conformance.check import CheckResult, NotApplicable, check, judge, near, that
+from plumbline.harness.conformance.room import COARSE, FINE, final, record
+from plumbline.harness.conformance.scenes import TURNED, G, angle_between, block, free, rotation
 from plumbline.harness.scene import (
     WORLD,
     Ball,
@@ -65,7 +64,7 @@ def _several(t: float) -> tuple[np.ndarray, float]:
     "Do several joints, one after the other with no mass between them, move one body?",
     Feature.MASSLESS | Feature.REVOLUTE | Feature.PRISMATIC,
 )
-def several_joints_move_one_body(adapter: Adapter, settings: Settings) -> Finding:
+def several_joints_move_one_body(adapter: Adapter, settings: Settings) -> CheckResult:
     """Slides along x and z, then a hinge about y, .32 m off the centre of mass: that falls as a free body's does, at 3 rad/s.
 
     What the slides carry alone stands where the hinge is, and does not turn.
@@ -112,7 +111,7 @@ def _speed_at(v: np.ndarray, w: np.ndarray, arm: Vector3) -> np.ndarray:
 
 
 @check("Does a rigid pendulum swing at its rate, inertia about the axis included?", Feature.REVOLUTE)
-def joint_pendulum_period(adapter: Adapter, settings: Settings) -> Finding:
+def joint_pendulum_period(adapter: Adapter, settings: Settings) -> CheckResult:
     """(I + m l^2) a'' = -m g l sin a, from 1 rad for 1 s: nearly half a period."""
     start, t, inertia = 1.0, 1.0, 0.2 + 2.0
     swing = solve_ivp(lambda _, y: (y[1], -2.0 * G * sin(y[0]) / inertia), (0, t), (start, 0.0), rtol=1e-10, atol=1e-10).y[
@@ -128,7 +127,7 @@ def joint_pendulum_period(adapter: Adapter, settings: Settings) -> Finding:
 
 
 @check("Does a pendulum keep its energy where the scene asks for no damping?", Feature.REVOLUTE)
-def joint_damping_is_off(adapter: Adapter, settings: Settings) -> Finding:
+def joint_damping_is_off(adapter: Adapter, settings: Settings) -> CheckResult:
     run = record(adapter, _pendulum(pi / 2), settings.with_dt(COARSE), 3.0, every=4)
     # The energy of a staggered scheme oscillates by 6e-3 m g l; damping of .04 at the joint takes ten times that.
     energy = run.v_WB[:, 0] ** 2 @ np.ones(3) + 0.1 * (run.w_WB[:, 0] ** 2 @ np.ones(3)) + 2.0 * G * run.p_WB[:, 0, 2]
@@ -139,7 +138,7 @@ def joint_damping_is_off(adapter: Adapter, settings: Settings) -> Finding:
 
 
 @check("Are anchor and axis in W, and the initial velocity kept?", Feature.REVOLUTE, firm=True)
-def revolute_turns_about_its_axis(adapter: Adapter, settings: Settings) -> Finding:
+def revolute_turns_about_its_axis(adapter: Adapter, settings: Settings) -> CheckResult:
     """A turned body runs round a slanted axis away from its centre, without gravity: at constant rate."""
     axis, anchor, arm = np.array([1.0, 2.0, 2.0]) / 3, np.array([0.5, -0.3, 0.2]), np.array([0.6, 0.3, -0.6])
     w, t = 2.0, 0.15
@@ -164,7 +163,7 @@ def _v(a: object) -> Vector3:
 
 
 @check("Does a slide move along its axis alone, in W?", Feature.PRISMATIC, firm=True)
-def prismatic_slides_along_its_axis(adapter: Adapter, settings: Settings) -> Finding:
+def prismatic_slides_along_its_axis(adapter: Adapter, settings: Settings) -> CheckResult:
     axis, t = np.array([2.0, -1.0, 2.0]) / 3, 0.4
     body = free("body", p=(0.3, 0.2, 0.1), q=TURNED)
     slide = Prismatic(name="slide", parent=WORLD, child="body", anchor_W=_NOWHERE, axis_W=_v(axis))
@@ -184,7 +183,7 @@ def prismatic_slides_along_its_axis(adapter: Adapter, settings: Settings) -> Fin
 
 
 @check("Does a fixed joint hold place and orientation, to the world and between bodies?", Feature.FIXED)
-def fixed_joint_holds(adapter: Adapter, settings: Settings) -> Finding:
+def fixed_joint_holds(adapter: Adapter, settings: Settings) -> CheckResult:
     post, arm = free("post", p=(0.0, 0.0, 1.0)), free("arm", p=(0.8, 0.0, 1.2), q=TURNED)
     joints = (Fixed(name="foot", parent=WORLD, child="post"), Fixed(name="weld", parent="post", child="arm"))
     end = final(adapter, Scene(bodies=(post, arm), joints=joints), settings.with_dt(FINE), 0.3)
@@ -195,7 +194,7 @@ def fixed_joint_holds(adapter: Adapter, settings: Settings) -> Finding:
 
 
 @check("Does a ball joint hold its anchor and nothing else?", Feature.BALL)
-def ball_joint_holds_its_anchor(adapter: Adapter, settings: Settings) -> Finding:
+def ball_joint_holds_its_anchor(adapter: Adapter, settings: Settings) -> CheckResult:
     """Two links on ball joints, thrown sideways: anchors stay together, all rotations go on."""
     upper = free("upper", p=(0.0, 0.0, -0.5), moments=(0.1, 0.2, 0.25), w=(0.0, 0.0, 2.0))
     lower = free("lower", p=(0.5, 0.0, -1.0), q=TURNED, moments=(0.1, 0.2, 0.25))
@@ -222,7 +221,7 @@ def _inverse(q: Quaternion) -> Quaternion:
 
 
 @check("Does a rod keep its length, in pull and push, without doing work?", Feature.DISTANCE)
-def distance_joint_keeps_its_length(adapter: Adapter, settings: Settings) -> Finding:
+def distance_joint_keeps_its_length(adapter: Adapter, settings: Settings) -> CheckResult:
     """A bob on a rod, thrown across: the distance stays, the rod carries push as well as pull."""
     rod = Distance(name="rod", parent=WORLD, child="bob", anchor_W=_NOWHERE, child_anchor_W=(0.0, 0.8, 0.6))
     bob = free("bob", p=(0.0, 0.8, 0.6), v=(1.0, 0.0, 0.0))
@@ -238,7 +237,7 @@ def distance_joint_keeps_its_length(adapter: Adapter, settings: Settings) -> Fin
 
 
 @check("Does a loop of joints stay closed in motion?", Feature.REVOLUTE | Feature.CLOSED_LOOP)
-def closed_loop_stays_closed(adapter: Adapter, settings: Settings) -> Finding:
+def closed_loop_stays_closed(adapter: Adapter, settings: Settings) -> CheckResult:
     """A parallelogram of three bars falls to one side: its coupler stays level, its four pins together."""
     w = 1.0
     left = free("left", p=(0.0, 0.0, 0.5), v=(0.5 * w, 0.0, 0.0), w=(0.0, w, 0.0), mass=1.0, moments=(0.1, 0.1, 0.1))
@@ -282,7 +281,7 @@ def _leaves(apart: float, w: float, collide: bool) -> Scene:
 
 
 @check("Do bodies that a joint keeps from colliding overlap in peace?", Feature.REVOLUTE | Feature.BOX)
-def joined_bodies_do_not_collide(adapter: Adapter, settings: Settings) -> Finding:
+def joined_bodies_do_not_collide(adapter: Adapter, settings: Settings) -> CheckResult:
     end = final(adapter, _leaves(-0.005, 0.0, False), settings.with_dt(FINE), 0.1)
     because = "a joint keeps them from colliding"
     return judge(
@@ -292,7 +291,7 @@ def joined_bodies_do_not_collide(adapter: Adapter, settings: Settings) -> Findin
 
 
 @check("Do bodies collide whose joint says that they do?", Feature.REVOLUTE | Feature.BOX)
-def joined_bodies_collide_when_told(adapter: Adapter, settings: Settings) -> Finding:
+def joined_bodies_collide_when_told(adapter: Adapter, settings: Settings) -> CheckResult:
     """The same hinge, closing at .2 rad/s over a gap of 2 mm: the boxes meet and stop, or the engine refuses such a joint."""
     try:
         end = final(adapter, _leaves(0.002, -0.2, True), settings.with_dt(FINE), 0.15)
@@ -306,7 +305,7 @@ def joined_bodies_collide_when_told(adapter: Adapter, settings: Settings) -> Fin
     "Does a loop that is closed between turned bodies rest where it was built?",
     Feature.REVOLUTE | Feature.BALL | Feature.CLOSED_LOOP,
 )
-def closed_loop_rests_where_it_was_built(adapter: Adapter, settings: Settings) -> Finding:
+def closed_loop_rests_where_it_was_built(adapter: Adapter, settings: Settings) -> CheckResult:
     """Two turned bodies on hinges to the world, a ball between them off both centres, at rest where nothing pulls."""
     left, right = free("left", p=(-0.5, 0.2, 0.0), q=TURNED), free("right", p=(0.5, -0.1, 0.3), q=multiply(TURNED, TURNED))
     joints = (

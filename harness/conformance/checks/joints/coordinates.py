@@ -5,10 +5,9 @@ from math import exp, sqrt
 import numpy as np
 
 from plumbline.harness.adapter import Adapter, Feature, Settings
-from plumbline.harness.conformance.check import Finding, check, judge, near
-from plumbline.harness.conformance.exact import angle_between
-from plumbline.harness.conformance.runs import FINE, built, final, record, state_of
-from plumbline.harness.conformance.scenes import free
+from plumbline.harness.conformance.check import CheckResult, check, judge, near
+from plumbline.harness.conformance.room import FINE, built, final, record, state_of
+from plumbline.harness.conformance.scenes import angle_between, free
 from plumbline.harness.scene import (
     WORLD,
     Body,
@@ -27,7 +26,7 @@ _FIRST = "a staggered scheme of first order is off by half a step of motion"
 
 
 @check("Do limits hold on both sides, counted by the joint's own coordinate?", Feature.REVOLUTE | Feature.LIMITS)
-def limits_hold(adapter: Adapter, settings: Settings) -> Finding:
+def limits_hold(adapter: Adapter, settings: Settings) -> CheckResult:
     """A hinge at coordinate .1 within [-.2, .5]: it turns .4 rad forth and .3 rad back, counted from where it stands."""
     comparisons = []
     for w, room in ((1.5, 0.4), (-1.5, -0.3)):
@@ -54,7 +53,7 @@ def limits_hold(adapter: Adapter, settings: Settings) -> Finding:
     "Is a coordinate with one limit free the other way?",
     Feature.REVOLUTE | Feature.PRISMATIC | Feature.LIMITS,
 )
-def one_limit_leaves_the_other_side_open(adapter: Adapter, settings: Settings) -> Finding:
+def one_limit_leaves_the_other_side_open(adapter: Adapter, settings: Settings) -> CheckResult:
     """Two slides and two hinges, each with one limit .2 m or rad behind it, go the other way: 2.4 m or rad in .6 s."""
     t, rate = 0.6, 4.0
     bodies, joints = [], []
@@ -82,7 +81,7 @@ def _slide(body: Body, **extra: object) -> Scene:
 
 
 @check("Does a spring swing at sqrt(k/m) about its rest, and its damper damp?", Feature.PRISMATIC | Feature.SPRINGS)
-def spring_frequency(adapter: Adapter, settings: Settings) -> Finding:
+def spring_frequency(adapter: Adapter, settings: Settings) -> CheckResult:
     """m x'' = -k (x - rest) from x = .2 + rest, undamped and damped."""
     comparisons = []
     for c in (0.0, 4.0):
@@ -99,7 +98,7 @@ def spring_frequency(adapter: Adapter, settings: Settings) -> Finding:
 
 
 @check("Does a drive obey its PD law, its coordinate and commands?", Feature.PRISMATIC | Feature.REVOLUTE | Feature.DRIVES)
-def drive_reaches_its_target(adapter: Adapter, settings: Settings) -> Finding:
+def drive_reaches_its_target(adapter: Adapter, settings: Settings) -> CheckResult:
     """A critically damped drive from .1 to .5, then on command to .2; and one about an axis, right-handed."""
     drive = Drive(stiffness=200.0, damping=40.0, target=0.5)
     scene = _slide(free("body", mass=2.0), position=0.1, drive=drive)
@@ -142,7 +141,7 @@ def drive_reaches_its_target(adapter: Adapter, settings: Settings) -> Finding:
 
 
 @check("Is a drive's force cut off at its limit in N?", Feature.PRISMATIC | Feature.DRIVES)
-def drive_force_is_limited(adapter: Adapter, settings: Settings) -> Finding:
+def drive_force_is_limited(adapter: Adapter, settings: Settings) -> CheckResult:
     t = 0.5
     comparisons = []
     for sign in (1.0, -1.0):

@@ -6,10 +6,9 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from plumbline.harness.adapter import Adapter, Feature, Settings
-from plumbline.harness.conformance.check import Finding, check, judge, near
-from plumbline.harness.conformance.exact import angle_between, rotation
-from plumbline.harness.conformance.runs import FINE, final, record
-from plumbline.harness.conformance.scenes import TURNED, free
+from plumbline.harness.conformance.check import CheckResult, check, judge, near
+from plumbline.harness.conformance.room import FINE, final, record
+from plumbline.harness.conformance.scenes import TURNED, angle_between, free, rotation
 from plumbline.harness.scene import WORLD, Distance, Scene, Spring, Vector3, rotate
 from plumbline.harness.trajectory import Floats
 
@@ -20,7 +19,7 @@ _FIRST = "a staggered scheme of first order is off by half a step of motion"
 @check(
     "Does a spring between two bodies swing at sqrt(k/m) of their reduced mass, and its damper damp?", Feature.DISTANCE_SPRING
 )
-def distance_spring_has_its_frequency(adapter: Adapter, settings: Settings) -> Finding:
+def distance_spring_has_its_frequency(adapter: Adapter, settings: Settings) -> CheckResult:
     """Two bodies of 2 and 1 kg on a slanted line: m l'' = -k (l - rest) - c l' with m = 2/3 kg; their centre stays."""
     comparisons = []
     a, b = np.array([0.3, -0.2, 0.1]), np.array([0.3, -0.2, 0.1]) + 0.8 * np.array([2.0, -1.0, 2.0]) / 3
@@ -67,7 +66,7 @@ def _vector(a: Floats) -> Vector3:
 
 
 @check("Does a spring pull at its anchors, off the centre of mass, and turn what it pulls?", Feature.DISTANCE_SPRING)
-def distance_spring_pulls_where_it_is_tied(adapter: Adapter, settings: Settings) -> Finding:
+def distance_spring_pulls_where_it_is_tied(adapter: Adapter, settings: Settings) -> CheckResult:
     """A turned ball-like body hung by an arm from the world on a spring, against the equations of motion integrated to 1e-10.
 
     m v' = m g + f u, I w' = r x f u, r' = w x r; I is a multiple of the identity, so that the attitude is told by r alone.
@@ -103,7 +102,7 @@ def distance_spring_pulls_where_it_is_tied(adapter: Adapter, settings: Settings)
 
 
 @check("Does what hangs on a spring and damper come to rest where the spring bears its weight?", Feature.DISTANCE_SPRING)
-def distance_spring_holds_what_hangs(adapter: Adapter, settings: Settings) -> Finding:
+def distance_spring_holds_what_hangs(adapter: Adapter, settings: Settings) -> CheckResult:
     """A body let go on a spring and damper, critically damped at 20/s: after a second it hangs at rest, lower by m g/k."""
     mass, stiffness, damping = 2.0, 800.0, 80.0
     line = Distance(

@@ -7,8 +7,8 @@ import numpy as np
 
 from plumbline.harness.adapter import Adapter, Feature, Settings, Simulation
 from plumbline.harness.adapter.joints import joints_of
-from plumbline.harness.conformance.check import Comparison, Finding, NotApplicable, check, judge, near, that
-from plumbline.harness.conformance.runs import FINE, ROUNDING, built, state_of
+from plumbline.harness.conformance.check import CheckResult, Compared, NotApplicable, check, judge, near, that
+from plumbline.harness.conformance.room import FINE, ROUNDING, built, state_of
 from plumbline.harness.conformance.scenes import TURNED, G, floor, free, ground
 from plumbline.harness.scene import WORLD, Ball, Fixed, PlacedShape, Prismatic, Revolute, Scene, Sphere, Spring, Vector3
 from plumbline.harness.trajectory import Floats
@@ -37,7 +37,7 @@ def _v(a: object) -> Vector3:
     "Are the coordinates and rates that the engine tells those of its bodies?",
     Feature.REVOLUTE | Feature.PRISMATIC | Feature.FIXED | Feature.SPRINGS,
 )
-def joint_states_agree_with_the_poses(adapter: Adapter, settings: Settings) -> Finding:
+def joint_states_agree_with_the_poses(adapter: Adapter, settings: Settings) -> CheckResult:
     """A wheel that turns more than once, a slide on it, and a hinge whose child carries its parent, all off their zeros."""
     axis, hub, w = np.array([1.0, 2.0, 2.0]) / 3, np.array([0.2, 0.1, 0.0]), 30.0
     spin = w * axis
@@ -114,7 +114,7 @@ def _reactions(adapter: Adapter, scene: Scene, settings: Settings, steps: int) -
     "Are the forces and torques that the engine tells of joints those that hold up what hangs on them?",
     Feature.REVOLUTE | Feature.FIXED | Feature.SPRINGS,
 )
-def joint_reactions_bear_what_hangs(adapter: Adapter, settings: Settings) -> Finding:
+def joint_reactions_bear_what_hangs(adapter: Adapter, settings: Settings) -> CheckResult:
     """A bracket welded to the wall with a boom on a hinge, held level by its spring: weights and their moments, at rest."""
     bracket, boom = free("bracket", mass=2.0, p=(0.5, 0.0, 1.0)), free("boom", mass=1.0, p=(1.4, 0.2, 1.0), q=TURNED)
     moment = 1.0 * G * 0.4
@@ -143,13 +143,13 @@ def joint_reactions_bear_what_hangs(adapter: Adapter, settings: Settings) -> Fin
     "Is what dry friction bears in what the engine tells of a joint, whichever of its bodies hangs on the other?",
     Feature.REVOLUTE | Feature.FIXED | Feature.FRICTION_LOSS,
 )
-def joint_reactions_bear_what_friction_holds(adapter: Adapter, settings: Settings) -> Finding:
+def joint_reactions_bear_what_friction_holds(adapter: Adapter, settings: Settings) -> CheckResult:
     """A bracket welded to the wall with a boom on a hinge that dry friction holds level, told from either end.
 
     A soft friction gives way until it bears all of the moment, by e for each 3 ms or so: a tenth of a second is e^-30.
     """
     bracket, boom = free("bracket", mass=2.0, p=(0.5, 0.0, 1.0)), free("boom", mass=1.0, p=(1.4, 0.2, 1.0), q=TURNED)
-    moment, comparisons = 1.0 * G * 0.4, list[Comparison]()
+    moment, comparisons = 1.0 * G * 0.4, list[Compared]()
     hinge = np.array((0.0, 0.0, 1.0 * G, 0.2 * 1.0 * G, -moment, 0.0))
     for parent, child, sign in (("bracket", "boom", 1.0), ("boom", "bracket", -1.0)):
         joints = (
@@ -172,7 +172,7 @@ def joint_reactions_bear_what_friction_holds(adapter: Adapter, settings: Setting
 
 
 @check("Does what a joint carries hold a swinging body in its circle, beside its weight?", Feature.REVOLUTE)
-def joint_reactions_at_the_bottom_of_a_swing(adapter: Adapter, settings: Settings) -> Finding:
+def joint_reactions_at_the_bottom_of_a_swing(adapter: Adapter, settings: Settings) -> CheckResult:
     """A ball of 2 kg, .7 m below its hinge and askew in its own frame, at 3 rad/s: m (g + w^2 l) as it passes the bottom."""
     mass, length, w, steps = 2.0, 0.7, 3.0, 4
     axis, across = np.array([0.6, 0.8, 0.0]), np.array([0.8, -0.6, 0.0])
@@ -197,7 +197,7 @@ def joint_reactions_at_the_bottom_of_a_swing(adapter: Adapter, settings: Setting
 
 
 @check("Does each joint of a chain at rest carry the weight of all that hangs below it?", Feature.BALL)
-def joint_reactions_add_up_along_a_chain(adapter: Adapter, settings: Settings) -> Finding:
+def joint_reactions_add_up_along_a_chain(adapter: Adapter, settings: Settings) -> CheckResult:
     """Bodies of 1, 2 and 3 kg under each other on ball joints, gravity askew: each joint bears what hangs below it."""
     down = np.array([0.36, 0.48, -0.8])
     masses = (1.0, 2.0, 3.0)
@@ -212,7 +212,7 @@ def joint_reactions_add_up_along_a_chain(adapter: Adapter, settings: Settings) -
 
 
 @check("Is what a contact bears left out of what the engine tells of a joint?", Feature.REVOLUTE | Feature.SPHERE)
-def joint_reactions_beside_contacts(adapter: Adapter, settings: Settings) -> Finding:
+def joint_reactions_beside_contacts(adapter: Adapter, settings: Settings) -> CheckResult:
     """A beam with one end on a hinge and a ball under the other that lies on the ground: each bears half of it."""
     foot = PlacedShape(shape=Sphere(radius=0.1), p_BS=(0.5, 0.0, 0.0))
     beam = replace(free("beam", mass=2.0, moments=(0.1, 0.2, 0.2), p=(0.0, 0.0, 0.1)), collision=(foot,), material="block")

@@ -7,8 +7,7 @@ import numpy as np
 from plumbline.harness.adapter import Adapter, Settings
 from plumbline.harness.case.commands import acting
 from plumbline.harness.case.forces import Velocities
-from plumbline.harness.conformance.check import Comparison, Finding, all_near, check, judge
-from plumbline.harness.conformance.exact import angle_between
+from plumbline.harness.conformance.check import CheckResult, Compared, all_near, check, judge
 from plumbline.harness.conformance.pairs import (
     ASTRAY,
     DURATION,
@@ -18,11 +17,12 @@ from plumbline.harness.conformance.pairs import (
     SUBSTEPS,
     WRENCHES,
     Pair,
-    Plan,
+    PairPlan,
     all_pairs,
     task,
 )
-from plumbline.harness.conformance.runs import ROUNDING, built, state_of
+from plumbline.harness.conformance.room import ROUNDING, built, state_of
+from plumbline.harness.conformance.scenes import angle_between
 from plumbline.harness.scene import Scene
 from plumbline.harness.trajectory import State
 
@@ -36,7 +36,7 @@ _BECAUSE = (
 )
 
 
-def carried_out(adapter: Adapter, plan: Plan, scene: Scene, settings: Settings) -> State:
+def carried_out(adapter: Adapter, plan: PairPlan, scene: Scene, settings: Settings) -> State:
     """The state after `DURATION`, with the wrenches, lengths of steps and restoring of a plan."""
     steps, velocities = round(DURATION / STEP), _led(scene)
     lengths = [STEP * (LENGTHS[k % len(LENGTHS)] if plan.uneven else 1.0) for k in range(steps + ASTRAY)]
@@ -75,7 +75,7 @@ def _led(scene: Scene) -> Velocities | None:
     return None if control is None else control.velocities
 
 
-def compared(adapter: Adapter, settings: Settings, pair: Pair) -> list[Comparison]:
+def compared(adapter: Adapter, settings: Settings, pair: Pair) -> list[Compared]:
     """Positions, turns and velocities at the end, each within what the step allows on this motion."""
     plan, scene, exact = (worked_out := task(pair)).plan, worked_out.scene, worked_out.expected
     end = carried_out(adapter, plan, scene, settings)
@@ -113,7 +113,7 @@ def _define(name: str, pairs: tuple[Pair, ...]) -> None:
     first, second = (noun.name for noun in pairs[0].nouns)
 
     @check(f"Do {first} and {second} stand together in one scene?", pairs[0].needs, name=name)
-    def stand_together(adapter: Adapter, settings: Settings) -> Finding:
+    def stand_together(adapter: Adapter, settings: Settings) -> CheckResult:
         return judge(*(comparison for pair in pairs for comparison in compared(adapter, settings, pair)))
 
 

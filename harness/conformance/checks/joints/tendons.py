@@ -5,8 +5,8 @@ from math import cos, exp, sin, sqrt
 import numpy as np
 
 from plumbline.harness.adapter import Adapter, Feature, Settings
-from plumbline.harness.conformance.check import Finding, check, judge, near
-from plumbline.harness.conformance.runs import FINE, final
+from plumbline.harness.conformance.check import CheckResult, check, judge, near
+from plumbline.harness.conformance.room import FINE, final
 from plumbline.harness.conformance.scenes import free
 from plumbline.harness.scene import WORLD, Drive, Limits, MomentArm, Prismatic, Revolute, Scene, Spring, Tendon
 from plumbline.harness.trajectory import Floats
@@ -59,7 +59,7 @@ def _turn_about_y(q: Floats) -> float:
     "Does the spring of a tendon pull at each joint by its arm, and at no other?",
     Feature.PRISMATIC | Feature.REVOLUTE | Feature.TENDON,
 )
-def tendon_spring_pulls_by_its_arms(adapter: Adapter, settings: Settings) -> Finding:
+def tendon_spring_pulls_by_its_arms(adapter: Adapter, settings: Settings) -> CheckResult:
     """l'' = -s (k (l - r) + c l') with s = sum arm^2/inertia, from where the coordinates stand at the start."""
     k, c, rest, t = 4.0, 0.6, 0.5, 0.8
     start = (0.2, -0.3, 0.4)
@@ -81,7 +81,7 @@ def tendon_spring_pulls_by_its_arms(adapter: Adapter, settings: Settings) -> Fin
     "Is the drive of a tendon cut off at its limit, and its length stopped at its bound?",
     Feature.PRISMATIC | Feature.REVOLUTE | Feature.TENDON | Feature.DRIVES,
 )
-def tendon_drive_and_limits_hold(adapter: Adapter, settings: Settings) -> Finding:
+def tendon_drive_and_limits_hold(adapter: Adapter, settings: Settings) -> CheckResult:
     """A drive of 50 N/m a long way off pulls with its limit f: l = s f t^2/2; under a motor a tendon rests at its bound."""
     force, t, bound = 0.4, 0.5, 0.1
     pulled = _pulled(drive=Drive(stiffness=50.0, target=5.0, limit=force))

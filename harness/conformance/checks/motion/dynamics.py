@@ -5,14 +5,23 @@ from dataclasses import replace
 import numpy as np
 
 from plumbline.harness.adapter import Adapter, Feature, Settings, SettingsError, Unsupported
-from plumbline.harness.conformance.check import Finding, NotApplicable, check, judge, near
-from plumbline.harness.conformance.exact import angle_between, turning
-from plumbline.harness.conformance.runs import COARSE, FINE, ROUNDING, built, final, record, state_of
-from plumbline.harness.conformance.scenes import TURNED, G, block, damped, free, on_ground, without_gravity
+from plumbline.harness.conformance.check import CheckResult, NotApplicable, check, judge, near
+from plumbline.harness.conformance.room import COARSE, FINE, ROUNDING, built, final, record, state_of
+from plumbline.harness.conformance.scenes import (
+    TURNED,
+    G,
+    angle_between,
+    block,
+    damped,
+    free,
+    on_ground,
+    turning,
+    without_gravity,
+)
 from plumbline.harness.scene import WORLD, Revolute, Scene, axis_angle
 
 
-def _fall(adapter: Adapter, settings: Settings, gravity: tuple[float, float, float]) -> Finding:
+def _fall(adapter: Adapter, settings: Settings, gravity: tuple[float, float, float]) -> CheckResult:
     """From rest and for a short time, so that a vendor's default damping, judged elsewhere, takes less than half a percent."""
     t, dt = 0.05, COARSE
     end = final(adapter, Scene(bodies=(free(),), gravity=gravity), settings.with_dt(dt), t)
@@ -28,17 +37,17 @@ def _fall(adapter: Adapter, settings: Settings, gravity: tuple[float, float, flo
 
 
 @check("Does a free body fall with g, downwards?", firm=True)
-def free_fall_has_the_size_and_sign_of_g(adapter: Adapter, settings: Settings) -> Finding:
+def free_fall_has_the_size_and_sign_of_g(adapter: Adapter, settings: Settings) -> CheckResult:
     return _fall(adapter, settings, (0.0, 0.0, -G))
 
 
 @check("Does gravity act in any direction that the scene gives?", firm=True)
-def gravity_is_a_vector(adapter: Adapter, settings: Settings) -> Finding:
+def gravity_is_a_vector(adapter: Adapter, settings: Settings) -> CheckResult:
     return _fall(adapter, settings, (3.0, -4.0, 5.0))
 
 
 @check("Is step(n) exactly n dt, and bit for bit n times step(1)?", firm=True)
-def step_advances_exactly_dt(adapter: Adapter, settings: Settings) -> Finding:
+def step_advances_exactly_dt(adapter: Adapter, settings: Settings) -> CheckResult:
     bodies = [free("fall"), free("spin", p=(5.0, 0.0, 0.0), q=TURNED, w=(3.0, 1.0, -2.0), moments=(0.1, 0.2, 0.25))]
     scene = Scene(bodies=tuple(bodies))
     if Feature.BOX in adapter.features:
@@ -65,7 +74,7 @@ def step_advances_exactly_dt(adapter: Adapter, settings: Settings) -> Finding:
 
 
 @check("Does time pass at the same rate with sub-steps?", firm=True)
-def substeps_divide_dt(adapter: Adapter, settings: Settings) -> Finding:
+def substeps_divide_dt(adapter: Adapter, settings: Settings) -> CheckResult:
     scene, t = Scene(bodies=(free(),)), 0.1
     try:
         end = final(adapter, scene, replace(settings, dt=COARSE, substeps=4), t)
@@ -83,7 +92,7 @@ def substeps_divide_dt(adapter: Adapter, settings: Settings) -> Finding:
 
 
 @check("Does a free body keep its velocities where the scene asks for no damping?")
-def hidden_damping_is_off(adapter: Adapter, settings: Settings) -> Finding:
+def hidden_damping_is_off(adapter: Adapter, settings: Settings) -> CheckResult:
     v, w = (3.0, -2.0, 1.0), (1.0, 2.0, -3.0)
     end = final(adapter, without_gravity(free(v=v, w=w)), settings.with_dt(COARSE), 1.0)
     because = "no force acts; a damping of .04 1/s would take 4 %"
@@ -94,7 +103,7 @@ def hidden_damping_is_off(adapter: Adapter, settings: Settings) -> Finding:
 
 
 @check("May a body be fast: 400 m/s, 300 rad/s?")
-def velocity_is_not_clamped(adapter: Adapter, settings: Settings) -> Finding:
+def velocity_is_not_clamped(adapter: Adapter, settings: Settings) -> CheckResult:
     v, w, t = (400.0, 0.0, 0.0), (0.0, 0.0, 300.0), 0.1
     end = final(adapter, without_gravity(free(v=v, w=w)), settings.with_dt(FINE), t)
     return judge(
@@ -105,7 +114,7 @@ def velocity_is_not_clamped(adapter: Adapter, settings: Settings) -> Finding:
 
 
 @check("May a body turn by one radian in a step?")
-def fast_spin_is_not_cut(adapter: Adapter, settings: Settings) -> Finding:
+def fast_spin_is_not_cut(adapter: Adapter, settings: Settings) -> CheckResult:
     """One radian a step: an engine that cuts the turn of a step at pi/4 falls behind by 2 rad in ten."""
     steps, w = 10, 1.0 / COARSE
     end = final(adapter, without_gravity(free(w=(0.0, 0.0, w))), settings.with_dt(COARSE), steps * COARSE)
@@ -127,7 +136,7 @@ def _woken(adapter: Adapter, settings: Settings) -> float:
 
 
 @check("Does a slow body keep moving, free or in contact?")
-def sleeping_is_off(adapter: Adapter, settings: Settings) -> Finding:
+def sleeping_is_off(adapter: Adapter, settings: Settings) -> CheckResult:
     """Slow motion in empty space and, where there is ground, slow sliding without friction: both go on for ever."""
     v, w, t = 0.005, 0.02, 3.0
     end = final(adapter, without_gravity(free(v=(v, 0.0, 0.0), w=(0.0, 0.0, w))), settings.with_dt(COARSE), t)
@@ -148,7 +157,7 @@ def sleeping_is_off(adapter: Adapter, settings: Settings) -> Finding:
 
 
 @check("Does a free asymmetric top precess?")
-def gyroscopic_term_is_present(adapter: Adapter, settings: Settings) -> Finding:
+def gyroscopic_term_is_present(adapter: Adapter, settings: Settings) -> CheckResult:
     moments, w, t = (0.1, 0.2, 0.25), (3.0, 1.0, -2.0), 0.25
     body = free(moments=moments, q=TURNED, w=w)
     got = final(adapter, without_gravity(body), settings.with_dt(FINE), t).w_WB[0]
@@ -159,7 +168,7 @@ def gyroscopic_term_is_present(adapter: Adapter, settings: Settings) -> Finding:
 
 
 @check("Is linear damping v' = -c v with the scene's c in 1/s?", Feature.LINEAR_DAMPING)
-def linear_damping_law(adapter: Adapter, settings: Settings) -> Finding:
+def linear_damping_law(adapter: Adapter, settings: Settings) -> CheckResult:
     c, v, t = 2.0, 3.0, 0.5
     end = final(adapter, without_gravity(damped(free(v=(v, 0.0, 0.0)), linear=c)), settings.with_dt(COARSE), t)
     expected = v * np.exp(-c * t)
@@ -168,7 +177,7 @@ def linear_damping_law(adapter: Adapter, settings: Settings) -> Finding:
 
 
 @check("Is angular damping w' = -c w with the scene's c in 1/s?", Feature.ANGULAR_DAMPING)
-def angular_damping_law(adapter: Adapter, settings: Settings) -> Finding:
+def angular_damping_law(adapter: Adapter, settings: Settings) -> CheckResult:
     c, w, t = 2.0, 3.0, 0.5
     end = final(adapter, without_gravity(damped(free(w=(0.0, w, 0.0)), angular=c)), settings.with_dt(COARSE), t)
     expected = w * np.exp(-c * t)
@@ -179,7 +188,7 @@ def angular_damping_law(adapter: Adapter, settings: Settings) -> Finding:
 @check(
     "Do force and torque act in W, at the centre of mass, on the right body, until told otherwise?", Feature.WRENCH, firm=True
 )
-def wrench_has_sign_and_size(adapter: Adapter, settings: Settings) -> Finding:
+def wrench_has_sign_and_size(adapter: Adapter, settings: Settings) -> CheckResult:
     scene = without_gravity(free("idle"), free("pushed", p=(5.0, 0.0, 0.0), mass=2.0, q=TURNED))
     f, tau, t = np.array([1.0, -2.0, 3.0]), np.array([0.3, -0.1, 0.2]), 0.02
     with built(adapter, scene, settings.with_dt(FINE)) as simulation:
@@ -212,7 +221,7 @@ def _falling() -> Scene:
 
 
 @check("Does step(0) leave the state as it is, bit for bit?", firm=True)
-def no_step_is_no_step(adapter: Adapter, settings: Settings) -> Finding:
+def no_step_is_no_step(adapter: Adapter, settings: Settings) -> CheckResult:
     comparisons, scene = [], _falling()
     with built(adapter, scene, settings.with_dt(COARSE)) as simulation:
         for when in ("right after build", "after 5 steps"):
@@ -229,7 +238,7 @@ def no_step_is_no_step(adapter: Adapter, settings: Settings) -> Finding:
 
 
 @check("Is every single step dt long, not only the mean of many?", firm=True)
-def steps_are_even(adapter: Adapter, settings: Settings) -> Finding:
+def steps_are_even(adapter: Adapter, settings: Settings) -> CheckResult:
     """Each step adds g dt to the speed of what falls and v dt to the way of what flies, not only all of them together."""
     run = record(adapter, _falling(), settings.with_dt(COARSE), 8 * COARSE)
     dv, dx = np.diff(run.v_WB[:, 0, 2]), np.diff(run.p_WB[:, 1, 0])
@@ -245,7 +254,7 @@ LENGTHS = (1.0, 0.5, 2.0, 1.25, 0.75, 0.5)
 
 
 @check("Is every step as long as was told for it, where lengths are uneven?", Feature.STEP_LENGTHS, firm=True)
-def step_lengths_are_kept(adapter: Adapter, settings: Settings) -> Finding:
+def step_lengths_are_kept(adapter: Adapter, settings: Settings) -> CheckResult:
     """Step h adds g h to the speed of what falls and v h to the way of what flies, and the fall is the sum of all of them.
 
     Semi-implicit Euler falls by g sum(h_k (h_1 + .. + h_k)), g sum(h_k^2)/2 more than g t^2/2; explicit Euler by as much less,
@@ -271,7 +280,7 @@ def step_lengths_are_kept(adapter: Adapter, settings: Settings) -> Finding:
 
 
 @check("Is the lead of a force what the way of one step shows?", Feature.WRENCH, firm=True)
-def force_lead_is_what_a_step_shows(adapter: Adapter, settings: Settings) -> Finding:
+def force_lead_is_what_a_step_shows(adapter: Adapter, settings: Settings) -> CheckResult:
     """From rest a step under a force goes c f dt^2 / m: an engine that says its lead says 1 - c."""
     dt, push = 0.05, np.array([[3.0, -4.0, 12.0]])
     scene = without_gravity(free(mass=2.0))
@@ -289,7 +298,7 @@ def force_lead_is_what_a_step_shows(adapter: Adapter, settings: Settings) -> Fin
 
 
 @check("Does a strong damping bring a body to rest?", Feature.LINEAR_DAMPING | Feature.ANGULAR_DAMPING)
-def strong_damping_brings_to_rest(adapter: Adapter, settings: Settings) -> Finding:
+def strong_damping_brings_to_rest(adapter: Adapter, settings: Settings) -> CheckResult:
     """At 600/s nothing is left after 48 steps of 1/240 s; a force that is held over its step goes 2.5 times too far, and back.
 
     The classical Runge-Kutta method, of explicit ones the usual, leaves .65 of it a step.
@@ -306,7 +315,7 @@ def strong_damping_brings_to_rest(adapter: Adapter, settings: Settings) -> Findi
     "Does a strong damping bring what hangs on a joint to rest?",
     Feature.LINEAR_DAMPING | Feature.ANGULAR_DAMPING | Feature.REVOLUTE,
 )
-def strong_damping_brings_what_hangs_to_rest(adapter: Adapter, settings: Settings) -> Finding:
+def strong_damping_brings_what_hangs_to_rest(adapter: Adapter, settings: Settings) -> CheckResult:
     """The same about a hinge: engines damp what hangs by other code than what is free."""
     pivot, spin = np.array((0.2, -0.1, 0.4)), 3.0 * np.array((0.6, 0.0, 0.8))
     v, w = (tuple(float(x) for x in vector) for vector in (-np.cross(spin, pivot), spin))

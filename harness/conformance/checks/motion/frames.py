@@ -3,16 +3,25 @@
 import numpy as np
 
 from plumbline.harness.adapter import Adapter, Feature, Settings
-from plumbline.harness.conformance.check import Finding, check, judge, near
-from plumbline.harness.conformance.exact import angle_between, rotation, turned_by, turning
-from plumbline.harness.conformance.runs import COARSE, FINE, ROUNDING, built, final, state_of
-from plumbline.harness.conformance.scenes import TURNED, floor, free, ground, without_gravity
+from plumbline.harness.conformance.check import CheckResult, check, judge, near
+from plumbline.harness.conformance.room import COARSE, FINE, ROUNDING, built, final, state_of
+from plumbline.harness.conformance.scenes import (
+    TURNED,
+    angle_between,
+    floor,
+    free,
+    ground,
+    rotation,
+    turned_by,
+    turning,
+    without_gravity,
+)
 from plumbline.harness.scene import Body, Box, PlacedShape, Scene, Sphere
 from plumbline.harness.trajectory import State
 
 
 @check("After build, is the state the scene's: poses, velocities, all bodies?", firm=True)
-def initial_state_comes_back(adapter: Adapter, settings: Settings) -> Finding:
+def initial_state_comes_back(adapter: Adapter, settings: Settings) -> CheckResult:
     bodies = (
         free("a", p=(1.0, -2.0, 3.0), q=TURNED, v=(0.5, -1.5, 2.5), w=(3.0, 1.0, -2.0), moments=(0.2, 0.3, 0.4)),
         free("b", p=(-4.0, 5.0, 6.0), v=(-1.0, 0.0, 7.0), w=(0.0, -4.0, 0.5)),
@@ -29,7 +38,7 @@ def initial_state_comes_back(adapter: Adapter, settings: Settings) -> Finding:
 
 
 @check("Do states come in the order of the scene's bodies?", firm=True)
-def body_order_is_kept(adapter: Adapter, settings: Settings) -> Finding:
+def body_order_is_kept(adapter: Adapter, settings: Settings) -> CheckResult:
     places = [3, 0, 4, 1, 2]
     bodies = [free(f"body{k}", mass=1.0 + k, p=(10.0 * k, 0.0, 0.0), v=(0.0, 1.0 + k, 0.0)) for k in places]
     end = final(adapter, without_gravity(*bodies), settings.with_dt(COARSE), 0.1)
@@ -41,7 +50,7 @@ def body_order_is_kept(adapter: Adapter, settings: Settings) -> Finding:
 
 
 @check("Does a static body stand in the states at its own place?", Feature.BOX, firm=True)
-def fixed_bodies_keep_their_place(adapter: Adapter, settings: Settings) -> Finding:
+def fixed_bodies_keep_their_place(adapter: Adapter, settings: Settings) -> CheckResult:
     """A static body between moving ones: states must not be packed."""
     shape = Box(half_extents=(0.5, 0.5, 0.5))
     wall = Body(
@@ -61,7 +70,7 @@ def fixed_bodies_keep_their_place(adapter: Adapter, settings: Settings) -> Findi
 
 
 @check("Is q_WB (w, x, y, z), mapping B to W?", firm=True)
-def quaternion_is_wxyz(adapter: Adapter, settings: Settings) -> Finding:
+def quaternion_is_wxyz(adapter: Adapter, settings: Settings) -> CheckResult:
     scene = without_gravity(free(q=TURNED))
     with built(adapter, scene, settings.with_dt(COARSE)) as simulation:
         simulation.step(5)
@@ -71,7 +80,7 @@ def quaternion_is_wxyz(adapter: Adapter, settings: Settings) -> Finding:
 
 
 @check("Is w_WB in W, both given and read, and does the orientation follow it?", firm=True)
-def angular_velocity_is_in_W(adapter: Adapter, settings: Settings) -> Finding:
+def angular_velocity_is_in_W(adapter: Adapter, settings: Settings) -> CheckResult:
     w, t = (0.5, -1.0, 2.0), 0.2
     end = final(adapter, without_gravity(free(q=TURNED, w=w)), settings.with_dt(COARSE), t)
     return judge(
@@ -92,7 +101,7 @@ def angular_velocity_is_in_W(adapter: Adapter, settings: Settings) -> Finding:
     )
 
 
-def _inertia(adapter: Adapter, settings: Settings, body: Body) -> Finding:
+def _inertia(adapter: Adapter, settings: Settings, body: Body) -> CheckResult:
     """Spin up a turned body by a torque in W where the engine takes one; otherwise watch it precess."""
     scene, tensor = without_gravity(body), np.asarray(body.inertia)
     if Feature.WRENCH in adapter.features:
@@ -116,12 +125,12 @@ def _inertia(adapter: Adapter, settings: Settings, body: Body) -> Finding:
 
 
 @check("Is the inertia in the body's frame, its three moments each on its own axis?", firm=True)
-def inertia_is_in_B(adapter: Adapter, settings: Settings) -> Finding:
+def inertia_is_in_B(adapter: Adapter, settings: Settings) -> CheckResult:
     return _inertia(adapter, settings, free(moments=(0.1, 0.2, 0.25), q=TURNED))
 
 
 @check("Does an inertia with products act along its true principal axes?", Feature.FULL_INERTIA, firm=True)
-def products_of_inertia_count(adapter: Adapter, settings: Settings) -> Finding:
+def products_of_inertia_count(adapter: Adapter, settings: Settings) -> CheckResult:
     R = rotation(TURNED)
     tensor = R @ np.diag([0.1, 0.2, 0.25]) @ R.T
     tensor = (tensor + tensor.T) / 2
@@ -131,7 +140,7 @@ def products_of_inertia_count(adapter: Adapter, settings: Settings) -> Finding:
 
 
 @check("Is the state that of the centre of mass, and the shape where the scene places it?", Feature.SPHERE, firm=True)
-def centre_of_mass_off_the_shape_origin(adapter: Adapter, settings: Settings) -> Finding:
+def centre_of_mass_off_the_shape_origin(adapter: Adapter, settings: Settings) -> CheckResult:
     """The same sphere, placed off the centre of mass of a body that spins in space or rests on the ground."""
     placed = (PlacedShape(shape=Sphere(radius=0.2), p_BS=(0.0, 0.0, 0.1)),)
     inertia = free().inertia

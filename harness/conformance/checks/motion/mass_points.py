@@ -6,10 +6,9 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from plumbline.harness.adapter import Adapter, Feature, Settings
-from plumbline.harness.conformance.check import Finding, check, judge, near
-from plumbline.harness.conformance.exact import angle_between
-from plumbline.harness.conformance.runs import FINE, final
-from plumbline.harness.conformance.scenes import G, free
+from plumbline.harness.conformance.check import CheckResult, check, judge, near
+from plumbline.harness.conformance.room import FINE, final
+from plumbline.harness.conformance.scenes import G, angle_between, free
 from plumbline.harness.scene import (
     WORLD,
     Body,
@@ -37,7 +36,7 @@ def _point(name: str, p: Vector3, mass: float = 0.5, v: Vector3 = _ORIGIN, w: Ve
     "Does a body without inertia move as its mass says, free and on a spring, without turning?",
     Feature.MASS_POINT | Feature.DISTANCE_SPRING,
 )
-def mass_point_flies_and_hangs(adapter: Adapter, settings: Settings) -> Finding:
+def mass_point_flies_and_hangs(adapter: Adapter, settings: Settings) -> CheckResult:
     """One is thrown, p = v t + g t^2/2; one hangs on a spring, z = -l - (m g/k)(1 - cos(t sqrt(k/m))), and turns nowhere."""
     t, k, m = 0.4, 80.0, 0.5
     thrown, hung = _point("thrown", _ORIGIN, v=(1.0, 2.0, 3.0)), _point("hung", (5.0, 0.0, -1.0), m)
@@ -62,7 +61,7 @@ def mass_point_flies_and_hangs(adapter: Adapter, settings: Settings) -> Finding:
     "Does a mass point that is fixed to a body add its mass there, and no inertia of its own?",
     Feature.MASS_POINT | Feature.FIXED | Feature.REVOLUTE,
 )
-def mass_point_counts_where_it_is_fixed(adapter: Adapter, settings: Settings) -> Finding:
+def mass_point_counts_where_it_is_fixed(adapter: Adapter, settings: Settings) -> CheckResult:
     """(I + m d^2 + M r^2) a'' = -(m d + M r) g sin a of a rod with a point M on its lower end, r from its pin."""
     t, rod, moment, d, point, r = 0.9, 2.0, 0.2, 0.5, 1.5, 1.2
     inertia, weight = moment + rod * d * d + point * r * r, (rod * d + point * r) * G

@@ -3,10 +3,9 @@
 import numpy as np
 
 from plumbline.harness.adapter import Adapter, Settings
-from plumbline.harness.conformance.check import Finding, NotApplicable, check, judge, near
-from plumbline.harness.conformance.exact import angle_between
-from plumbline.harness.conformance.runs import COARSE, FINE, built, final, state_of
-from plumbline.harness.conformance.scenes import TURNED, free, without_gravity
+from plumbline.harness.conformance.check import CheckResult, NotApplicable, check, judge, near
+from plumbline.harness.conformance.room import COARSE, FINE, built, final, state_of
+from plumbline.harness.conformance.scenes import TURNED, angle_between, free, without_gravity
 from plumbline.harness.scene import Scene
 from plumbline.harness.trajectory import State
 
@@ -16,7 +15,7 @@ _DIGITS = 1e-12
 
 
 @check("Does a state come back with the digits of double precision, unless the engine says that it has single?", firm=True)
-def states_have_double_precision(adapter: Adapter, settings: Settings) -> Finding:
+def states_have_double_precision(adapter: Adapter, settings: Settings) -> CheckResult:
     if adapter.single_precision:
         raise NotApplicable("the engine says that it computes in single precision")
     third, scale = 1.0 / 3.0, 7.0
@@ -36,7 +35,7 @@ def states_have_double_precision(adapter: Adapter, settings: Settings) -> Findin
 
 
 @check("Is gravity right to a quarter of .1 %?", firm=True)
-def gravity_has_three_digits(adapter: Adapter, settings: Settings) -> Finding:
+def gravity_has_three_digits(adapter: Adapter, settings: Settings) -> CheckResult:
     """Four short steps: every scheme gives g t, and a vendor's damping of .04 (1 + |v|) a second takes 8e-5 of it."""
     g, t = np.array([3.0, -4.0, -8.0]), 4 * FINE
     end = final(adapter, Scene(bodies=(free(),), gravity=(3.0, -4.0, -8.0)), settings.with_dt(FINE), t)
@@ -45,7 +44,7 @@ def gravity_has_three_digits(adapter: Adapter, settings: Settings) -> Finding:
 
 
 @check("Is there no damping, not even of 1e-5 a second?")
-def nothing_brakes_a_free_body(adapter: Adapter, settings: Settings) -> Finding:
+def nothing_brakes_a_free_body(adapter: Adapter, settings: Settings) -> CheckResult:
     """Without a force an engine adds zero to v, which rounds nothing in any precision; w goes through a frame and back."""
     v, w, t = np.array([3.0, -2.0, 1.0]), np.array([1.0, 2.0, -3.0]), 4.0
     scene = without_gravity(free(v=(3.0, -2.0, 1.0), w=(1.0, 2.0, -3.0)))
@@ -58,7 +57,7 @@ def nothing_brakes_a_free_body(adapter: Adapter, settings: Settings) -> Finding:
 
 
 @check("Are speeds of a micrometre a second read and kept?")
-def slow_motion_is_motion(adapter: Adapter, settings: Settings) -> Finding:
+def slow_motion_is_motion(adapter: Adapter, settings: Settings) -> CheckResult:
     """Speeds down to a micrometre a second come back as they were given, and go on."""
     comparisons = []
     for speed in (1e-3, 1e-6, 1e-9):

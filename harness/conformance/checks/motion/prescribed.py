@@ -9,8 +9,8 @@ import numpy as np
 from plumbline.harness.adapter import Adapter, Feature, Settings
 from plumbline.harness.case.commands import acting
 from plumbline.harness.case.forces import Controlled
-from plumbline.harness.conformance.check import Finding, check, judge, near
-from plumbline.harness.conformance.runs import COARSE, FINE, ROUNDING, built, state_of
+from plumbline.harness.conformance.check import CheckResult, check, judge, near
+from plumbline.harness.conformance.room import COARSE, FINE, ROUNDING, built, state_of
 from plumbline.harness.conformance.scenes import TURNED, G, ball, block, free, ground
 from plumbline.harness.scene import (
     Body,
@@ -55,7 +55,7 @@ def _sampled(law: Callable[[float], float], steps: int, dt: float) -> Samples:
     Feature.PRESCRIBED_MOTION,
     firm=True,
 )
-def prescribed_motion_is_where_its_law_has_it(adapter: Adapter, settings: Settings) -> Finding:
+def prescribed_motion_is_where_its_law_has_it(adapter: Adapter, settings: Settings) -> CheckResult:
     """A table shaken along two directions while it is carried on, and an arm that swings about an axis beside it."""
     table = Prescribed(
         shifts=(
@@ -90,7 +90,7 @@ def prescribed_motion_is_where_its_law_has_it(adapter: Adapter, settings: Settin
     "Does friction feel the velocity of a body that is moved: does a box stick below mu g and slip at mu g above?",
     Feature.PRESCRIBED_MOTION | Feature.BOX,
 )
-def prescribed_plate_takes_along_what_friction_can(adapter: Adapter, settings: Settings) -> Finding:
+def prescribed_plate_takes_along_what_friction_can(adapter: Adapter, settings: Settings) -> CheckResult:
     """A plate accelerated at half and at twice mu g: a box stays where it lies on it, or is left behind at mu g."""
     mu, steps = 0.5, 400
     compared = []
@@ -127,7 +127,7 @@ def prescribed_plate_takes_along_what_friction_can(adapter: Adapter, settings: S
     "Does a platform that is moved hand its velocity to what it meets, and does nothing stop it?",
     Feature.PRESCRIBED_MOTION | Feature.BOX | Feature.SPHERE,
 )
-def prescribed_platform_lifts_what_it_meets(adapter: Adapter, settings: Settings) -> Finding:
+def prescribed_platform_lifts_what_it_meets(adapter: Adapter, settings: Settings) -> CheckResult:
     """A platform that rises at 1 m/s meets a ball that is let go .2 m above it, and lifts it at its own speed."""
     speed, gap, steps = 1.0, 0.2, 500
     platform = Body(
@@ -155,7 +155,7 @@ def prescribed_platform_lifts_what_it_meets(adapter: Adapter, settings: Settings
 @check(
     "Does contact meet a turning body at the velocity of its surface?", Feature.PRESCRIBED_MOTION | Feature.BOX | Feature.SPHERE
 )
-def prescribed_paddle_sweeps_a_ball_outwards(adapter: Adapter, settings: Settings) -> Finding:
+def prescribed_paddle_sweeps_a_ball_outwards(adapter: Adapter, settings: Settings) -> CheckResult:
     """A paddle that turns at 2 rad/s about its end meets a ball at rest, which then slides out along it without friction.
 
     Equation: in the paddle's frame x'' = w^2 x with y = c, the sum of half widths, so x = x0 cosh(w t) + c sinh(w t) from the
@@ -187,7 +187,7 @@ def prescribed_paddle_sweeps_a_ball_outwards(adapter: Adapter, settings: Setting
 
 
 @check("Does what is joined to a moved body follow by its joint alone?", Feature.PRESCRIBED_MOTION | Feature.PRISMATIC)
-def prescribed_frame_leaves_behind_what_slides(adapter: Adapter, settings: Settings) -> Finding:
+def prescribed_frame_leaves_behind_what_slides(adapter: Adapter, settings: Settings) -> CheckResult:
     """A frame shaken along a slide that nothing holds: what is on the slide keeps its place in W, and goes along across it."""
     along = Shift(axis_W=(1.0, 0.0, 0.0), motion=Sinusoid(amplitude=0.2, frequency=2.0))
     across = Shift(axis_W=(0.0, 1.0, 0.0), motion=Sinusoid(amplitude=0.1, frequency=1.0))

@@ -7,10 +7,9 @@ from typing import Any
 import numpy as np
 
 from plumbline.harness.adapter import Adapter, Feature, Settings
-from plumbline.harness.conformance.check import Finding, check, judge, near, that
-from plumbline.harness.conformance.exact import rotation
-from plumbline.harness.conformance.runs import built
-from plumbline.harness.conformance.scenes import static
+from plumbline.harness.conformance.check import CheckResult, check, judge, near, that
+from plumbline.harness.conformance.room import built
+from plumbline.harness.conformance.scenes import rotation, static
 from plumbline.harness.scene import (
     WORLD,
     Appearance,
@@ -35,7 +34,7 @@ def _picture(adapter: Adapter, settings: Settings, scene: Scene, **changed: Any)
 
 
 @check("Is the depth image z-depth in metres, x right, y down, inf where nothing is?", Feature.RENDER | Feature.BOX)
-def image_is_z_depth(adapter: Adapter, settings: Settings) -> Finding:
+def image_is_z_depth(adapter: Adapter, settings: Settings) -> CheckResult:
     """A turned camera in the world sees a box that lies 1 m to its right, .75 m down and 4 m ahead, and nothing else."""
     look = axis_angle((1.0, -1.0, 1.0), 2 * pi / 3)
     R = rotation(look)
@@ -56,7 +55,7 @@ def image_is_z_depth(adapter: Adapter, settings: Settings) -> Finding:
 @check(
     "Does an image name the place in the scene of what is drawn, by its visual shapes?", Feature.RENDER | Feature.BOX, firm=True
 )
-def image_names_bodies(adapter: Adapter, settings: Settings) -> Finding:
+def image_names_bodies(adapter: Adapter, settings: Settings) -> CheckResult:
     """A box to the left and one to the right, drawn with a smaller one, in front of a wall that fills the lower half."""
     small = PlacedShape(shape=Box(half_extents=(0.2, 0.2, 0.2)))
     right = replace(static("right", Box(half_extents=(0.5, 0.5, 0.5)), p=(1.0, 0.0, 4.0)), visual=(small,))
@@ -83,7 +82,7 @@ def image_names_bodies(adapter: Adapter, settings: Settings) -> Finding:
 
 
 @check("Does a pixel show what lies at its centre, half a pixel from its corner?", Feature.RENDER | Feature.BOX)
-def pixel_centre_is_at_half(adapter: Adapter, settings: Settings) -> Finding:
+def pixel_centre_is_at_half(adapter: Adapter, settings: Settings) -> CheckResult:
     """The edges of a face cross the image a quarter of a pixel beyond the centres that they are to hold.
 
     Columns 20..40 and rows 12..35 have their centres within 20.25..40.75 and 12.25..35.75; were the centre of a pixel at one of
@@ -102,7 +101,7 @@ def pixel_centre_is_at_half(adapter: Adapter, settings: Settings) -> Finding:
 
 
 @check("Is what stands close before the camera seen, and what reaches behind it cut?", Feature.RENDER | Feature.BOX)
-def image_is_cut_near_the_camera(adapter: Adapter, settings: Settings) -> Finding:
+def image_is_cut_near_the_camera(adapter: Adapter, settings: Settings) -> CheckResult:
     """A face at .1 m fills the image; a floor that runs under the camera to behind it shows below the horizon alone."""
     close = _picture(adapter, settings, Scene(bodies=(static("wall", Box(half_extents=(1.0, 1.0, 0.5)), p=(0.0, 0.0, 0.6)),)))
     behind = _picture(adapter, settings, Scene(bodies=(static("wall", Box(half_extents=(1.0, 1.0, 0.5)), p=(0.0, 0.0, -2.0)),)))
@@ -121,14 +120,14 @@ def image_is_cut_near_the_camera(adapter: Adapter, settings: Settings) -> Findin
 @check(
     "Are the colours of an image linear, and those of the bodies under the scene's sun and sky?", Feature.RENDER | Feature.BOX
 )
-def image_is_lit_by_sun_and_sky(adapter: Adapter, settings: Settings) -> Finding:
+def image_is_lit_by_sun_and_sky(adapter: Adapter, settings: Settings) -> CheckResult:
     """A face whose normal is 60 degrees off the sun sends back its colour times irradiance cos / pi + sky; no face, the sky."""
     colour, sun = np.array([0.8, 0.4, 0.1]), Sun(towards_W=(0.0, -sin(pi / 3), -0.5), irradiance=pi / 2, sky=0.3)
     look = Appearance(colour=(0.8, 0.4, 0.1))
     box = replace(static("box", Box(half_extents=(0.5, 0.5, 0.5)), p=(0.0, 0.0, 4.0)), appearance=look)
     image = _picture(adapter, settings, Scene(bodies=(box,), sun=sun))
     if image.colour is None:
-        return Finding("failed", "colour: got none, expected (48, 64, 3)")
+        return CheckResult("failed", "colour: got none, expected (48, 64, 3)")
     # Light is at most .8 in all, so that 8 bits count in steps of .8/255; a rasteriser may round twice.
     grain = 2 * 0.8 / 255
     return judge(
@@ -139,7 +138,7 @@ def image_is_lit_by_sun_and_sky(adapter: Adapter, settings: Settings) -> Finding
 
 
 @check("Does a ray-traced image have shadows?", Feature.RAY_TRACING | Feature.BOX)
-def ray_traced_image_has_shadows(adapter: Adapter, settings: Settings) -> Finding:
+def ray_traced_image_has_shadows(adapter: Adapter, settings: Settings) -> CheckResult:
     """Seen from the side of a sun above it, a plate of a metre keeps its light off the floor below, not beside."""
     white = Appearance(colour=(1.0, 1.0, 1.0))
     scene = Scene(
@@ -151,7 +150,7 @@ def ray_traced_image_has_shadows(adapter: Adapter, settings: Settings) -> Findin
     )
     image = _picture(adapter, settings, scene, renderer="ray_traced")
     if image.colour is None:
-        return Finding("failed", "colour: got none, expected (48, 64, 3)")
+        return CheckResult("failed", "colour: got none, expected (48, 64, 3)")
     # The floor lies 1 m below: at 4 m ahead it is seen in row 24 + 40/4.
     return judge(
         near("floor under the plate", image.colour[34, 32], np.full(3, 0.25), 1e-2, "the sky alone"),
@@ -181,7 +180,7 @@ def _coming(motion: str) -> Scene:
     Feature.RAYS | Feature.KINEMATIC | Feature.BOX | Feature.SPHERE,
     firm=True,
 )
-def rays_meet_kinematic_bodies(adapter: Adapter, settings: Settings) -> Finding:
+def rays_meet_kinematic_bodies(adapter: Adapter, settings: Settings) -> CheckResult:
     o, d = np.zeros((1, 3)), np.array([[0.0, 0.0, 1.0]])
     with built(adapter, _coming("kinematic"), settings.with_dt(_DT)) as simulation:
         first = simulation.cast(o, d, 50.0)
@@ -202,7 +201,7 @@ def rays_meet_kinematic_bodies(adapter: Adapter, settings: Settings) -> Finding:
 
 
 @check("Does a picture show where bodies are now, not a step ago?", Feature.RENDER | Feature.BOX | Feature.SPHERE, firm=True)
-def pictures_show_the_present(adapter: Adapter, settings: Settings) -> Finding:
+def pictures_show_the_present(adapter: Adapter, settings: Settings) -> CheckResult:
     camera = Camera(name="camera", body=WORLD, rate=1.0, width=16, height=16, focal_x=20, focal_y=20, centre_x=8, centre_y=8)
     with built(adapter, _coming("dynamic"), settings.with_dt(_DT)) as simulation:
         depths = [float(simulation.render(camera).depth[8, 8])]

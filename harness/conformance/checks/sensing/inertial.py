@@ -6,10 +6,9 @@ from typing import Any
 import numpy as np
 
 from plumbline.harness.adapter import Adapter, Feature, Settings
-from plumbline.harness.conformance.check import Finding, NotApplicable, check, judge, near
-from plumbline.harness.conformance.exact import rotation
-from plumbline.harness.conformance.runs import COARSE, built, state_of
-from plumbline.harness.conformance.scenes import TURNED, G, free
+from plumbline.harness.conformance.check import CheckResult, NotApplicable, check, judge, near
+from plumbline.harness.conformance.room import COARSE, built, state_of
+from plumbline.harness.conformance.scenes import TURNED, G, free, rotation
 from plumbline.harness.scene import Body, Imu, Quaternion, Scene, multiply
 from plumbline.harness.trajectory import Trajectory
 
@@ -19,7 +18,7 @@ from plumbline.harness.trajectory import Trajectory
     Feature.WRENCH,
     firm=True,
 )
-def inertial_sensors_say_what_they_feel(adapter: Adapter, settings: Settings) -> Finding:
+def inertial_sensors_say_what_they_feel(adapter: Adapter, settings: Settings) -> CheckResult:
     """A body that a torque spins up in free fall carries a sensor on a lever, askew.
 
     Equation: f_S = R_SW (a + alpha x r + w x (w x r) - g); in free fall a = g, and a sphere has alpha = tau/I, all in W.
@@ -33,7 +32,7 @@ def inertial_sensors_say_what_they_feel(adapter: Adapter, settings: Settings) ->
     Feature.WRENCH | Feature.FULL_INERTIA,
     firm=True,
 )
-def inertial_sensors_on_turned_principal_axes(adapter: Adapter, settings: Settings) -> Finding:
+def inertial_sensors_on_turned_principal_axes(adapter: Adapter, settings: Settings) -> CheckResult:
     """As above, with products of inertia: I w' = tau - w x I w, all in W."""
     R_BM = rotation(multiply(TURNED, TURNED))
     inertia_B = R_BM @ np.diag([0.3, 0.2, 0.25]) @ R_BM.T
@@ -42,7 +41,7 @@ def inertial_sensors_on_turned_principal_axes(adapter: Adapter, settings: Settin
     return _felt(adapter, settings, replace(free(p=(1.0, 2.0, 3.0), q=TURNED, w=(2.0, -1.0, 3.0)), inertia=rows), TURNED)
 
 
-def _felt(adapter: Adapter, settings: Settings, body: Body, q_BS: Quaternion) -> Finding:
+def _felt(adapter: Adapter, settings: Settings, body: Body, q_BS: Quaternion) -> CheckResult:
     """What a sensor on a lever says after 12 steps under a torque, against the laws of motion."""
     tau = np.array([1.0, 2.0, -1.5])
     imu = Imu(name="imu", body="body", rate=1.0, p_BS=(0.4, -0.3, 0.2), q_BS=q_BS)
@@ -69,7 +68,7 @@ def _felt(adapter: Adapter, settings: Settings, body: Body, q_BS: Quaternion) ->
 
 
 @check("Does the engine's own accelerometer feel what bears it?", Feature.WRENCH, firm=True)
-def inertial_sensors_feel_their_support(adapter: Adapter, settings: Settings) -> Finding:
+def inertial_sensors_feel_their_support(adapter: Adapter, settings: Settings) -> CheckResult:
     """Pushed upwards by its weight a body hangs still, and its accelerometer says +g upwards, in the sensor's frame."""
     imu = Imu(name="imu", body="body", rate=1.0, p_BS=(0.4, -0.3, 0.2), q_BS=TURNED)
     scene = Scene(bodies=(free(q=TURNED),), sensors=(imu,))
@@ -87,7 +86,7 @@ def inertial_sensors_feel_their_support(adapter: Adapter, settings: Settings) ->
     )
 
 
-def noise_axes_are_independent(trajectory: Trajectory) -> Finding:
+def noise_axes_are_independent(trajectory: Trajectory) -> CheckResult:
     """Are the channels of each stream (k, c) uncorrelated about their means, as separately seeded noise is?
 
     Equation: the correlation of k independent pairs has the standard deviation 1/sqrt(k); five of them are granted.
@@ -101,4 +100,8 @@ def noise_axes_are_independent(trajectory: Trajectory) -> Finding:
             for b in range(a + 1, moving.shape[1]):
                 r = float(np.corrcoef(moving[:, a], moving[:, b])[0, 1])
                 comparisons.append(near(f"correlation of axes {a} and {b} of {name}", r, 0.0, 5 / np.sqrt(len(signal))))
-    return judge(*comparisons) if comparisons else Finding("not_applicable", "no stream with two noisy channels of 100 samples")
+    return (
+        judge(*comparisons)
+        if comparisons
+        else CheckResult("not_applicable", "no stream with two noisy channels of 100 samples")
+    )

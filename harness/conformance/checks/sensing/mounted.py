@@ -11,10 +11,11 @@ from typing import Any
 import numpy as np
 
 from plumbline.harness.adapter import Adapter, Feature, Settings
-from plumbline.harness.conformance.check import Finding, check, judge, near, that
-from plumbline.harness.conformance.exact import rotation, turned_by
+from plumbline.harness.conformance.check import CheckResult, check, judge, near, that
 from plumbline.harness.conformance.room import (
+    COARSE,
     MOUNT,
+    ROUNDING,
     SIGMAS,
     WALLS,
     carrier,
@@ -25,8 +26,7 @@ from plumbline.harness.conformance.room import (
     three,
     worst,
 )
-from plumbline.harness.conformance.runs import COARSE, ROUNDING
-from plumbline.harness.conformance.scenes import G
+from plumbline.harness.conformance.scenes import G, rotation, turned_by
 from plumbline.harness.scene import (
     AxisNoise,
     Imu,
@@ -49,7 +49,7 @@ def _errors(law: AxisNoise, signal: Floats) -> Floats:
 
 
 @check("Do inertial sensors read their lever, their frame, their age and their errors on a body that turns?", firm=True)
-def inertial_readings_on_a_turning_body(adapter: Adapter, settings: Settings) -> Finding:
+def inertial_readings_on_a_turning_body(adapter: Adapter, settings: Settings) -> CheckResult:
     """Read every fourth step, two steps late: what is stamped 8 dt tells of the four steps that end at 6 dt.
 
     Equation: f = R_SW ((v_S - v_S')/T - g) with v_S = v + w x r, R half way between the two attitudes; rate R_SW w.
@@ -105,7 +105,7 @@ def _halfway(a: Floats, b: Floats) -> Floats:
 
 
 @check("Is inertial noise as strong as it is told: white noise, drifting bias, instability?", firm=True)
-def inertial_noise_has_its_strength(adapter: Adapter, settings: Settings) -> Finding:
+def inertial_noise_has_its_strength(adapter: Adapter, settings: Settings) -> CheckResult:
     """Three sensors on a body at rest, each with one process in each channel, read at every step.
 
     Equation: samples at an interval T have the standard deviations N/sqrt(T) (white), K sqrt(T) (differences of a random walk)
@@ -179,7 +179,7 @@ def _beams(channels: int = 5, columns: int = 24) -> Floats:
 
 
 @check("Do range finders read between their bounds, from where they are mounted?", Feature.RAYS | Feature.BOX, firm=True)
-def lidar_reads_between_its_bounds(adapter: Adapter, settings: Settings) -> Finding:
+def lidar_reads_between_its_bounds(adapter: Adapter, settings: Settings) -> CheckResult:
     """What stands nearer than the least range or farther than the greatest returns nothing; what does has its intensity."""
     lidar = Lidar(name="lidar", rate=1 / (6 * COARSE), **_REACH, **_LIDAR)
     scene = in_a_room(lidar, v_WB=(2.0, -1.5, 1.0), w_WB=(3.0, -4.0, 5.0))
@@ -206,7 +206,7 @@ def lidar_reads_between_its_bounds(adapter: Adapter, settings: Settings) -> Find
 @check(
     "Does each column of a spinning range finder leave from where the sensor then is?", Feature.RAYS | Feature.BOX, firm=True
 )
-def spinning_lidar_fires_column_by_column(adapter: Adapter, settings: Settings) -> Finding:
+def spinning_lidar_fires_column_by_column(adapter: Adapter, settings: Settings) -> CheckResult:
     """A body that flies and turns evenly; the last column is fired at the stamp, each other one a share of a turn before."""
     steps, w = 6, (3.0, -4.0, 5.0)
     lidar = Lidar(name="lidar", rate=1 / (steps * COARSE), spinning=True, **_LIDAR)
@@ -225,7 +225,7 @@ def spinning_lidar_fires_column_by_column(adapter: Adapter, settings: Settings) 
     # up to 6 m and 60 degrees of incidence; a column fired elsewhere would be off by .03 rad of turn.
     got = streams["lidar/range"]
     if len(got) != 1:
-        return Finding("failed", f"scans after one turn: got {len(got)}, expected 1")
+        return CheckResult("failed", f"scans after one turn: got {len(got)}, expected 1")
     return judge(
         near("stamp [s]", streams["lidar/time"], [steps * COARSE], 1e-9),
         worst("ranges [m]", got[0], expected, 0.01, "a default damping"),
@@ -233,7 +233,7 @@ def spinning_lidar_fires_column_by_column(adapter: Adapter, settings: Settings) 
 
 
 @check("Is the noise of range finders as strong as it is told?", Feature.RAYS | Feature.BOX, firm=True)
-def lidar_noise_has_its_strength(adapter: Adapter, settings: Settings) -> Finding:
+def lidar_noise_has_its_strength(adapter: Adapter, settings: Settings) -> CheckResult:
     """One scan of 1440 beams: spread by range, beams lost by chance and for want of light."""
     law = LidarNoise(range_sigma=0.02, range_sigma_slope=0.01, dropout=0.2, intensity_sigma=0.03, least_intensity=0.2)
     lidar = Lidar(name="lidar", rate=1 / COARSE, noise=law, **(_LIDAR | {"channels": 16, "columns": 90}))
@@ -260,7 +260,7 @@ def lidar_noise_has_its_strength(adapter: Adapter, settings: Settings) -> Findin
 
 
 @check("Does a beam that spreads read the mean over its cone?", Feature.RAYS | Feature.BOX, firm=True)
-def wide_beams_read_the_mean_of_their_cone(adapter: Adapter, settings: Settings) -> Finding:
+def wide_beams_read_the_mean_of_their_cone(adapter: Adapter, settings: Settings) -> CheckResult:
     """Beams whose cone meets one wall alone, against 1000 directions spread evenly over each cone.
 
     Equation: intensity is the mean of reflectivity times cosine; the range is the mean weighted by it. Evenly means cosines of

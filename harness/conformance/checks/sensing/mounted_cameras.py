@@ -5,9 +5,8 @@ from typing import Any
 import numpy as np
 
 from plumbline.harness.adapter import Adapter, Feature, Settings
-from plumbline.harness.conformance.check import Finding, check, judge, near, that
-from plumbline.harness.conformance.room import MOUNT, SIGMAS, in_a_room, mounted, read_on, seen_from, worst
-from plumbline.harness.conformance.runs import COARSE
+from plumbline.harness.conformance.check import CheckResult, check, judge, near, that
+from plumbline.harness.conformance.room import COARSE, MOUNT, SIGMAS, in_a_room, mounted, read_on, seen_from, worst
 from plumbline.harness.scene import (
     Camera,
     DepthCamera,
@@ -41,7 +40,7 @@ def _depths(state: State) -> tuple[Floats, Floats, Floats]:
 @check(
     "Do depth cameras read z-depth between their bounds, from where they are mounted?", Feature.RAYS | Feature.BOX, firm=True
 )
-def depth_camera_reads_between_its_bounds(adapter: Adapter, settings: Settings) -> Finding:
+def depth_camera_reads_between_its_bounds(adapter: Adapter, settings: Settings) -> CheckResult:
     """Two focal lengths, on a body that flies and turns; then the noise of a stereo camera and of one by time of flight."""
     view = {"rate": 1 / (6 * COARSE), **_VIEW}
     wide = {"near": 0.01, "far": 50.0, **view}
@@ -72,7 +71,7 @@ def depth_camera_reads_between_its_bounds(adapter: Adapter, settings: Settings) 
 
 
 @check("Do pictures have two focal lengths, from where the camera is mounted?", Feature.RENDER | Feature.BOX, firm=True)
-def camera_is_mounted_on_what_turns(adapter: Adapter, settings: Settings) -> Finding:
+def camera_is_mounted_on_what_turns(adapter: Adapter, settings: Settings) -> CheckResult:
     """The same view as the engine draws it itself, before any step and after six."""
     scene = in_a_room(Camera(name="camera", rate=1 / (6 * COARSE), **_VIEW), v_WB=(2.0, -1.5, 1.0), w_WB=(3.0, -4.0, 5.0))
     streams, states = read_on(adapter, settings.with_dt(COARSE), scene, 6)

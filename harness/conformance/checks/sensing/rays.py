@@ -5,10 +5,9 @@ from dataclasses import replace
 import numpy as np
 
 from plumbline.harness.adapter import Adapter, Feature, Settings, Unsupported
-from plumbline.harness.conformance.check import Finding, NotApplicable, check, judge, near, that
-from plumbline.harness.conformance.exact import first_hit, rotation
-from plumbline.harness.conformance.runs import built, state_of
-from plumbline.harness.conformance.scenes import TURNED, ball, free, static
+from plumbline.harness.conformance.check import CheckResult, NotApplicable, check, judge, near, that
+from plumbline.harness.conformance.room import built, state_of
+from plumbline.harness.conformance.scenes import TURNED, ball, first_hit, free, rotation, static
 from plumbline.harness.scene import (
     Box,
     Capsule,
@@ -48,7 +47,7 @@ def _cast(adapter: Adapter, settings: Settings, scene: Scene, origins: Floats, d
 
 
 @check("Do rays on turned shapes return the closed-form range?", Feature.RAYS)
-def rays_match_closed_forms(adapter: Adapter, settings: Settings) -> Finding:
+def rays_match_closed_forms(adapter: Adapter, settings: Settings) -> CheckResult:
     comparisons, p_WT = [], np.array([1.0, -2.0, 3.0])
     R = rotation(TURNED)
     for seed, (feature, shape) in enumerate(_SHAPES):
@@ -99,7 +98,7 @@ def _target(adapter: Adapter, x: float = 0.0) -> tuple[Scene, float]:
 
 
 @check("Is a hit beyond max_range a miss, and the next one within it a hit?", Feature.RAYS, firm=True)
-def ray_beyond_max_range_misses(adapter: Adapter, settings: Settings) -> Finding:
+def ray_beyond_max_range_misses(adapter: Adapter, settings: Settings) -> CheckResult:
     """The target's bounding volume lies within reach, its face beyond: culling bodies is not culling hits."""
     scene, face = _target(adapter)
     o, d = np.zeros((2, 3)), np.array([[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0]])
@@ -118,7 +117,7 @@ def ray_beyond_max_range_misses(adapter: Adapter, settings: Settings) -> Finding
 
 
 @check("Does a ray that starts inside a solid meet its far side?", Feature.RAYS)
-def ray_from_inside_meets_the_far_side(adapter: Adapter, settings: Settings) -> Finding:
+def ray_from_inside_meets_the_far_side(adapter: Adapter, settings: Settings) -> CheckResult:
     """Along each axis of a turned solid from a point within it; a sensor in the housing of its carrier sees that housing."""
     exits: dict[Feature, tuple[Shape, Floats]] = {
         Feature.SPHERE: (Sphere(radius=0.5), np.array([0.5, 0.5, 0.5])),
@@ -152,7 +151,7 @@ def ray_from_inside_meets_the_far_side(adapter: Adapter, settings: Settings) -> 
 
 
 @check("Do hits name the body's place in the scene and the outward normal?", Feature.RAYS, firm=True)
-def ray_names_body_and_normal(adapter: Adapter, settings: Settings) -> Finding:
+def ray_names_body_and_normal(adapter: Adapter, settings: Settings) -> CheckResult:
     scene, face = _target(adapter)
     hits = _cast(
         adapter,
@@ -170,7 +169,7 @@ def ray_names_body_and_normal(adapter: Adapter, settings: Settings) -> Finding:
 
 
 @check("Do rays meet what collides, not what is drawn?", Feature.RAYS | Feature.BOX, firm=True)
-def rays_meet_what_collides(adapter: Adapter, settings: Settings) -> Finding:
+def rays_meet_what_collides(adapter: Adapter, settings: Settings) -> CheckResult:
     """Boxes of half a metre that are drawn smaller, larger, and not at all."""
     shown = {"smaller": (0.2,), "larger": (0.9,), "unseen": ()}
     scene = Scene(
@@ -191,7 +190,7 @@ def rays_meet_what_collides(adapter: Adapter, settings: Settings) -> Finding:
 
 
 @check("Does every ray of a large batch get its answer?", Feature.RAYS, firm=True)
-def many_rays_all_answer(adapter: Adapter, settings: Settings) -> Finding:
+def many_rays_all_answer(adapter: Adapter, settings: Settings) -> CheckResult:
     """More rays than fit in a 16-bit count: a batch that is cut off drops the last ones without a word."""
     scene, face = _target(adapter)
     count = 16_500
@@ -207,7 +206,7 @@ def many_rays_all_answer(adapter: Adapter, settings: Settings) -> Finding:
 
 
 @check("Do rays meet bodies where the state says they are?", Feature.RAYS | Feature.SPHERE, firm=True)
-def rays_see_the_present_state(adapter: Adapter, settings: Settings) -> Finding:
+def rays_see_the_present_state(adapter: Adapter, settings: Settings) -> CheckResult:
     """A ball at 10 m/s is met where the state says it is, right after build and after a step, not one step behind."""
     dt, v, r = 0.01, 10.0, 0.1
     scene = Scene(bodies=(ball(p=(0.0, 0.0, 0.0), v=(v, 0.0, 0.0), radius=r),), gravity=(0.0, 0.0, 0.0))
@@ -223,7 +222,7 @@ def rays_see_the_present_state(adapter: Adapter, settings: Settings) -> Finding:
 
 
 @check("Do rays meet a shape that is turned on its body where the body has turned to?", Feature.RAYS | Feature.BOX, firm=True)
-def rays_meet_turned_shapes_of_a_body_that_turns(adapter: Adapter, settings: Settings) -> Finding:
+def rays_meet_turned_shapes_of_a_body_that_turns(adapter: Adapter, settings: Settings) -> CheckResult:
     """A box placed and turned on a body that flies and turns, before any step and after five, against its closed form.
 
     A cast that advances until it is within a millimetre of a convex shape (Bullet's: btGjkConvexCast.cpp, `radius`) ends up to
@@ -268,7 +267,7 @@ def rays_meet_turned_shapes_of_a_body_that_turns(adapter: Adapter, settings: Set
 
 
 @check("With two simulations open, do rays meet the bodies of their own?", Feature.RAYS, firm=True)
-def rays_ask_their_own_simulation(adapter: Adapter, settings: Settings) -> Finding:
+def rays_ask_their_own_simulation(adapter: Adapter, settings: Settings) -> CheckResult:
     """Two simulations are open at once, the target at 5 m in one and at 8 m in the other."""
     near_by, face = _target(adapter)
     far_off, _ = _target(adapter, 3.0)

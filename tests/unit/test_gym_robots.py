@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from plumbline.harness.intake.refusal import RobotError
+from plumbline.harness.intake.error import RobotError
 from plumbline.harness.scene.importers.companion import Companion
 from plumbline.harness.study import plugins
 from plumbline.harness.trajectory import Floats, State

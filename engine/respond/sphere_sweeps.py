@@ -8,31 +8,7 @@ from plumbline.engine.maths.rows import Floats, Ints
 from plumbline.engine.memory import arena as at
 from plumbline.engine.memory.carve import floats_of, ints_of
 from plumbline.engine.respond.softness import PRESS, PUSH, TURN, Softness, softness_of
-from plumbline.engine.respond.spheres import (
-    STRANDS,
-    Touches,
-    Turns,
-    press_spheres,
-    push_again,
-    relax_spheres,
-    touches_of,
-    turn_normals,
-)
-
-
-@template
-def visit_rows(floats: Floats, ints: Ints, touches: Touches, rows: Turns, soft: Softness, aim: int, share: float) -> bool:
-    """Do what `aim` says to some contacts. Returns: as `relax_spheres`."""
-    slipping = False
-    if aim == PRESS:
-        press_spheres(touches, rows, soft)
-    elif aim == PUSH:
-        push_again(touches, rows, share)
-    elif aim == TURN:
-        turn_normals(touches, rows, floats_of(floats, ints, at.STATE))
-    else:
-        slipping = relax_spheres(touches, rows, aim)
-    return slipping
+from plumbline.engine.respond.spheres import Touches, press_spheres, push_again, relax_spheres, touches_of, turn_normals
 
 
 @kernel
@@ -43,18 +19,35 @@ def visit_lane(floats: Floats, ints: Ints, aim: int, share: float, colour: int, 
     """
     touches, bands, setting = touches_of(floats, ints), ints_of(ints, at.BANDS), floats_of(floats, ints, at.SETTING)
     soft = softness_of(setting, setting[0, at.DT] / ints_of(ints, at.COUNT)[0, at.SUBSTEPS])
-    rows = Turns(cut(bands, colour, lane, lanes), cut(bands, colour, lane + 1, lanes), 1)  # in the order of a band's own
-    return visit_rows(floats, ints, touches, rows, soft, aim, share)
+    first, end = cut(bands, colour, lane, lanes), cut(bands, colour, lane + 1, lanes)
+    slipping = False
+    if aim == PRESS:
+        press_spheres(touches, end, soft, first)
+    elif aim == PUSH:
+        push_again(touches, end, share, first)
+    elif aim == TURN:
+        turn_normals(touches, end, floats_of(floats, ints, at.STATE), first)
+    else:
+        slipping = relax_spheres(touches, end, aim, first)
+    return slipping
 
 
 @template
 def as_found(floats: Floats, ints: Ints, touches: Touches, soft: Softness, aim: int, share: float) -> bool:
-    """Do what `aim` says to all contacts.
+    """Do what `aim` says to all contacts, in rising rows.
 
     Args: share: as that of `push_again`. Returns: as `relax_spheres`.
     """
-    rows = Turns(0, ints_of(ints, at.COUNT)[0, at.MANIFOLDS], STRANDS)
-    return visit_rows(floats, ints, touches, rows, soft, aim, share)
+    n, slipping = ints_of(ints, at.COUNT)[0, at.MANIFOLDS], False
+    if aim == PRESS:
+        press_spheres(touches, n, soft)
+    elif aim == PUSH:
+        push_again(touches, n, share)
+    elif aim == TURN:
+        turn_normals(touches, n, floats_of(floats, ints, at.STATE))
+    else:
+        slipping = relax_spheres(touches, n, aim)
+    return slipping
 
 
 @template

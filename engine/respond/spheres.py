@@ -6,7 +6,7 @@ With n from A to B and arms l_A n and -l_B n, the velocity of B's surface agains
 
 and an impulse t at right angles to n turns A by -I_A^-1 l_A (n x t) and B by -I_B^-1 l_B (n x t). Between two spheres the
 normal is taken anew in each sub-step, so that both arms lead to one place and angular momentum is kept. The law of the contact
-is that of `soft`.
+is that of `soft`. Sweeps go over the contacts first..end - 1.
 
 Source: Catto, Solver2D, 2024 (TGS Soft).
 """
@@ -23,9 +23,6 @@ from plumbline.engine.memory.carve import floats_of, ints_of
 from plumbline.engine.respond.pair import Motion
 from plumbline.engine.respond.softness import REBOUND, STUCK, TOUCHING, Softness
 
-STRANDS = 4
-"""Of all contacts, on one thread. With 1000 spheres 2, 4, 8 take .86, .79, .83 of the time of 1."""
-
 
 class Touches(NamedTuple):
     """The contacts of spheres: what a sweep reads, what it needs less often, their keys, and the bodies that they move.
@@ -38,17 +35,6 @@ class Touches(NamedTuple):
     key: Ints
     mover: Floats
     elastic: int
-
-
-class Turns(NamedTuple):
-    """In which order the rows first..end - 1 are swept: by turns from so many equal parts, the strands.
-
-    Contacts in neighbouring rows mostly share a body, so that each would wait for the last.
-    """
-
-    first: int
-    end: int
-    strands: int
 
 
 class Levers(NamedTuple):
@@ -100,18 +86,6 @@ def add_to_sum(touch: Floats, t: int, share: float) -> Vec:
     return impulse
 
 
-@inlined
-def ways(rows: Turns) -> int:
-    """How often `row_of` is asked."""
-    return (rows.end - rows.first + rows.strands - 1) // rows.strands * rows.strands
-
-
-@inlined
-def row_of(k: int, rows: Turns) -> int:
-    """The k-th row that is swept; the end or more where a strand is over."""
-    return rows.first + k % rows.strands * ((rows.end - rows.first + rows.strands - 1) // rows.strands) + k // rows.strands
-
-
 @kernel
 def note_strikes(touches: Touches, count: int, setting: Floats, h: float, slow: float, counted: float) -> int:
     """As `substep.approach`: note what is about to strike, and drop impulses that are no guess for a blow.
@@ -137,13 +111,10 @@ def note_strikes(touches: Touches, count: int, setting: Floats, h: float, slow: 
 
 
 @kernel
-def push_again(touches: Touches, rows: Turns, share: float) -> None:
+def push_again(touches: Touches, end: int, share: float, first: int = 0) -> None:
     """Apply the impulses of the last sub-step, and count a share of them to the step's: 0 for those of the step before."""
     touch, key, mover = touches.touch, touches.key, touches.mover
-    for k in range(ways(rows)):
-        t = row_of(k, rows)
-        if t >= rows.end:
-            continue
+    for t in range(first, end):
         a, b, n = key[t, at.K_BODY_A], key[t, at.K_BODY_B], load3(touch, t, 0)
         tangent, half = load3(touch, t, at.T_TANGENT), 0.5 * touch[t, at.T_GAP]
         impulse, turn = add_to_sum(touch, t, share), cross(n, tangent)
@@ -155,14 +126,14 @@ def push_again(touches: Touches, rows: Turns, share: float) -> None:
 
 
 @kernel
-def turn_normals(touches: Touches, rows: Turns, state: Floats) -> None:
+def turn_normals(touches: Touches, end: int, state: Floats, first: int = 0) -> None:
     """Normals and gaps at the present places; friction is turned along with its normal.
 
     So is the impulse of a blow, with what it did to the velocities: the whole of it has then the direction that the rebound
     is measured along. A blow at the angle of an earlier place gives energy, in proportion to the time step.
     """
     touch, rest, key, mover = touches.touch, touches.rest, touches.key, touches.mover
-    for t in range(rows.first, rows.end):
+    for t in range(first, end):
         pa = load3(state, key[t, at.K_BODY_A], at.P)
         if key[t, at.K_ROUND] == 1:
             d = sub(load3(state, key[t, at.K_BODY_B], at.P), pa)
@@ -230,16 +201,13 @@ def store_moving(mover: Floats, a: int, b: int, moves: int, motion: Motion) -> N
 
 
 @kernel
-def press_spheres(touches: Touches, rows: Turns, soft: Softness) -> None:
+def press_spheres(touches: Touches, end: int, soft: Softness, first: int = 0) -> None:
     """One sweep that corrects positions, as `soft.sweep` does to PRESS: friction and then the normal of each contact.
 
     Neither changes the velocity that the other answers, so that both are taken from one.
     """
     touch, rest, key, mover = touches.touch, touches.rest, touches.key, touches.mover
-    for k in range(ways(rows)):
-        t = row_of(k, rows)
-        if t >= rows.end:
-            continue
+    for t in range(first, end):
         a, b, n = key[t, at.K_BODY_A], key[t, at.K_BODY_B], load3(touch, t, 0)
         s, before, held = touch[t, at.T_GAP], touch[t, at.T_NORMAL], load3(touch, t, at.T_TANGENT)
         motion, levers = moving(mover, a, b), levers_of(touch, mover, t, a, b)
@@ -257,7 +225,7 @@ def press_spheres(touches: Touches, rows: Turns, soft: Softness) -> None:
 
 
 @kernel
-def relax_spheres(touches: Touches, rows: Turns, aim: int) -> bool:
+def relax_spheres(touches: Touches, end: int, aim: int, first: int = 0) -> bool:
     """One sweep without the position error, as `soft.sweep`: the normal and then friction, both from one velocity.
 
     Args: aim: RELAX, or REBOUND to give struck contacts their rebound.
@@ -265,10 +233,7 @@ def relax_spheres(touches: Touches, rows: Turns, aim: int) -> bool:
     """
     touch, rest, key, mover = touches.touch, touches.rest, touches.key, touches.mover
     slipping = False
-    for k in range(ways(rows)):
-        t = row_of(k, rows)
-        if t >= rows.end:
-            continue
+    for t in range(first, end):
         before = touch[t, at.T_NORMAL]
         if touch[t, at.T_GAP] > 0.0 and before == 0.0:
             continue

@@ -66,8 +66,8 @@ _OWN = (
 def _own(port: Port, body: int, count: int) -> tuple[Own, ...]:
     """What the links with shapes that touch are given; each is told for all its shapes together."""
     touching = [k for k in range(-1, count) if port.call("getCollisionShapeData", body, k)]
-    told = [port.call("getDynamicsInfo", body, k) for k in touching]
-    return tuple(own for index, quantity, unit in _OWN for own in own_values(quantity, (each[index] for each in told), unit))
+    rows = [port.call("getDynamicsInfo", body, k) for k in touching]
+    return tuple(own for index, quantity, unit in _OWN for own in own_values(quantity, (each[index] for each in rows), unit))
 
 
 def _loaded(port: Port, path: Path, request: Request) -> tuple[int, int]:

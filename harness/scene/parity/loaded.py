@@ -69,8 +69,8 @@ class Own:
 
 def own_values(quantity: str, values: Iterable[float], unit: str) -> tuple[Own, ...]:
     """One row of all shapes; none where there is no shape."""
-    told = tuple(sorted({float(value) for value in values}))
-    return (Own(quantity, told, unit),) if told else ()
+    distinct = tuple(sorted({float(value) for value in values}))
+    return (Own(quantity, distinct, unit),) if distinct else ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

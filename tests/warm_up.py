@@ -29,13 +29,11 @@ def _of_tests() -> tuple[KernelGroup, ...]:
 
     phases = [name for name in BROAD_PHASES if name != "uniform_grid"]
     held = "steps.joint_coordinates_held.step_joint_coordinates"
-    exact = "respond.exact.joint_kernels"
     return (
         step("contacts", "steps.islands.step_islands"),
         step("contacts", "steps.shared_sweeps.step_contact_coloured"),
         step("contacts", "steps.shared_sweeps.step_contact_jacobi"),
         step("contacts", "steps.shared_sweeps.step_spheres_coloured"),
-        group("contacts", (f"{exact}.write_joint_rows", f"{exact}.look_at_joints"), _exact_jointed),
         stage("contacts", "contact.colours.sort_pairs"),
         step("joint coordinates", f"{held}_touching_and_closing"),
         step("joint coordinates", f"{held}_closing"),
@@ -45,15 +43,6 @@ def _of_tests() -> tuple[KernelGroup, ...]:
         *(stage("broad phases", f"broad.volumes.{name}.drop_apart") for name in ("obb", "sphere")),
         group("free bodies", ("steps.many_worlds.advance_worlds_parallel",), lambda: many_worlds(2)),
     )
-
-
-def _exact_jointed() -> None:
-    from plumbline import engine
-
-    ground = engine.Body(name="ground", motion="static", shapes=[engine.Placed(engine.Plane())])
-    ball = engine.Body(name="ball", shapes=[engine.Placed(engine.Sphere(0.1))], p_WB=(0, 0, 0.05))
-    held = engine.Ball(name="held", parent=engine.WORLD, child="ball", anchor_W=(0, 0, 0.05))
-    engine.World([ground, ball], [held], options=engine.Options(solver="exact")).compile()
 
 
 def _cast_on_two_threads() -> None:

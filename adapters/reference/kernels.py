@@ -3,7 +3,7 @@
 Groups of one family are made of much the same kernels; in each family the one that takes longest comes first.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -89,6 +89,7 @@ def kernels() -> Kernels:
         step(CONTACTS, "steps.sequential.step_sequential_impulses"),
         group(CONTACTS, SWEPT, _swept),
         group(CONTACTS, EXACT, _exact),
+        group(CONTACTS, EXACT_JOINTS, _exact_joints),
         stage(CONTACTS, "contact.collide_convex.collide_convex"),
         stage(CONTACTS, "contact.collide_meshes.collide_meshes"),
         step(JOINT_COORDINATES, "steps.smooth.step_jointed_euler"),
@@ -114,6 +115,7 @@ EXACT = (
     "respond.exact.scaled.write_scaled",
     "respond.exact.look.look_at",
 )
+EXACT_JOINTS = ("respond.exact.joint_kernels.write_joint_rows", "respond.exact.joint_kernels.look_at_joints")
 IMAGES = (
     "images.rasteriser.rasterise",
     *(f"images.shading.{name}" for name in ("shade", "name_bodies")),
@@ -141,6 +143,14 @@ def _exact() -> None:
     from plumbline import engine
 
     above_ground(engine.Sphere(0.1), solver="exact").compile()
+
+
+def _exact_joints() -> None:
+    """A ball that lies on the ground and hangs on it."""
+    from plumbline import engine
+
+    hanging = engine.Ball(name="anchor", parent=engine.WORLD, child="body", anchor_W=(0, 0, 0.15))
+    above_ground(engine.Sphere(0.1), (hanging,), solver="exact", coordinates="maximal").step()
 
 
 def _tiles() -> None:
@@ -176,10 +186,10 @@ def many_worlds(threads: int = 1) -> None:
     engine.Batch.replicate(engine.World([engine.Body(name="body")]), 2, threads).step()
 
 
-def above_ground(shape: "engine.Shape", **options: object) -> "engine.World":
-    """A world of a body above the ground."""
+def above_ground(shape: "engine.Shape", joints: "Sequence[engine.Joint]" = (), **options: object) -> "engine.World":
+    """A world of a body above the ground. Args: joints: that it hangs on."""
     from plumbline import engine
 
     ground = engine.Body(name="ground", motion="static", shapes=[engine.Placed(engine.Plane())])
     body = engine.Body(name="body", shapes=[engine.Placed(shape)], p_WB=(0, 0, 0.05))
-    return engine.World([ground, body], options=engine.Options(**options))  # type: ignore[arg-type]
+    return engine.World([ground, body], joints, options=engine.Options(**options))  # type: ignore[arg-type]

@@ -120,7 +120,7 @@ def _table(context: Any, builder: Any, kind: Table, data: Any, lengths: Sequence
 
 
 def _from_start(context: Any, builder: Any, kind: Any, index: Any, length: Any) -> Any:
-    """An index from the start: those below zero count from the end."""
+    """An index from the start; of those below zero only constants count from the end, and no other may be below zero."""
     number = context.cast(builder, index, kind, types.intp)
     if isinstance(kind, types.IntegerLiteral):
         return number if kind.literal_value >= 0 else builder.add(number, length)

@@ -124,7 +124,7 @@ def rows(history: History) -> tuple[list[dict[str, Any]], list[DamagedFile]]:
 
 def _row(night: Night) -> dict[str, Any]:
     plan, store = night.plan, night.store()
-    told = plan.get("told", ())
+    changes = plan.get("told", ())
     # What a night does not say that is under way, or of an older version, is read off its records.
     counts = plan if "clocked" in plan else counted(store.trials)
     versions = plan["versions"] if "versions" in plan else versions_of(store)
@@ -135,8 +135,8 @@ def _row(night: Night) -> dict[str, Any]:
         "versions": ", ".join(f"{engine} {version}" for engine, version in sorted(versions.items())),
         **{name: counts[name] for name in ("answers", "recalled", "computed", "again", "disagreements", "clocked")},
         "left_out": len(plan.get("left_out", ())),
-        "worse": sum(row["regression"] for row in told),
-        "better": sum(row["sense"] == "better" for row in told),
+        "worse": sum(row["regression"] for row in changes),
+        "better": sum(row["sense"] == "better" for row in changes),
         "seconds": plan.get("seconds", {}).get("whole"),
         "megabytes": bytes_of([night.folder], shared=False) / 2**20,
         "outcomes": outcomes_in_short(plan).removeprefix("outcomes: "),

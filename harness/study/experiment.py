@@ -5,7 +5,7 @@ stored study.
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
-from typing import Annotated, Any, Literal, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias, TypeVar
 
 from pydantic import AfterValidator, Field, TypeAdapter
 from pydantic.dataclasses import dataclass as validated
@@ -17,7 +17,9 @@ from plumbline.harness.intake.safe_text import quoted
 from plumbline.harness.intake.typed_fields import FieldError, filled
 from plumbline.harness.scene.values import FROZEN, Name
 from plumbline.harness.store.journal import StoreError
-from plumbline.harness.store.store import Store
+
+if TYPE_CHECKING:
+    from plumbline.harness.store.store import Store
 
 Track = Literal["default", "tuned"]
 Change = Literal["iterations", "law"]
@@ -272,7 +274,7 @@ class Departure:
     changes: str
 
 
-def experiments_of(store: Store) -> list[Experiment]:
+def experiments_of(store: "Store") -> list[Experiment]:
     """All experiments in order; none where the folder does not hold its study. Raises: StoreError."""
     path = store.folder / "study.toml"
     try:
@@ -281,7 +283,7 @@ def experiments_of(store: Store) -> list[Experiment]:
         raise StoreError(str(error)) from error
 
 
-def departures_of(store: Store) -> Mapping[tuple[str, str], Departure]:
+def departures_of(store: "Store") -> Mapping[tuple[str, str], Departure]:
     """By engine and name, the variants that change one thing."""
     return {
         (engine, name): Departure(variant["beside"], variant["changes"])

@@ -216,7 +216,7 @@ def idle_children(monkeypatch: pytest.MonkeyPatch) -> Iterator[list[Clocked]]:
     children, threads = [], []
     for first in (True, False):
         ours, theirs = multiprocessing.Pipe()
-        place = clockwork.Place(None, first, together=True)
+        place = clockwork.ProcessPlace(None, first, together=True)
         threads.append(threading.Thread(target=clockwork._child, args=(theirs, [TRIAL], place, Path())))
         threads[-1].start()
         children.append(Clocked(SimpleNamespace(pid=0), UNWATCHED, Inbox(ours)))  # type: ignore[arg-type]

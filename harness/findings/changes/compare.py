@@ -117,10 +117,10 @@ def warning_changes(store_a: Store, store_b: Store, pairs: Sequence[TrialPair]) 
                 noticed.setdefault((pair.b.case, pair.b.engine, pair.b.track, notice, before, after), []).append(pair)
     for (case, engine, track, notice, before, after), where in noticed.items():
         sense: Sense = "neither" if notice.kind == "note" or before == after else "worse" if after else "better"
-        told = notice.effect or notice.kind
+        named = notice.effect or notice.kind
         yield Change(
             kind="warning", sense=sense, case=case, engine=engine, track=track, metric=notice.kind, count=len(where),
-            before=told if before else None, after=told if after else None,
+            before=named if before else None, after=named if after else None,
             trial_a=str(where[0].a.trial), trial_b=str(where[0].b.trial), dt=float(where[0].b.dt),
             substeps=substeps_of(str(where[0].b.resolved)), detail=notice.text,
         )  # fmt: skip

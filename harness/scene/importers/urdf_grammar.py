@@ -7,6 +7,7 @@ import math
 from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from functools import lru_cache
 from types import MappingProxyType
 
 from plumbline.harness.intake.near_miss import did_you_mean, misspelt
@@ -122,19 +123,25 @@ FOREIGN: Mapping[str, str] = MappingProxyType(
 """Elements of dialects that stand beside the robot, and what is lost without them."""
 
 
+@lru_cache(maxsize=4096)
+def _values(text: str) -> tuple[float, ...]:
+    """As many numbers as there are words, NaN where one is none. Texts of a file are few, and read more than once."""
+    words = text.split()
+    try:
+        return tuple(map(float, words)) if len(text) < 400 and "_" not in text else (math.nan,) * len(words)
+    except ValueError:
+        return (math.nan,) * len(words)
+
+
 def numbers(element: Element, name: str, counts: tuple[int, ...] = (1,)) -> tuple[float, ...] | None:
     """The numbers of an attribute; None where it does not stand there. Raises: RobotError."""
     text = element.attributes.get(name)
     if text is None:
         return None
-    words, several = text.split(), "s" if counts != (1,) else ""
-    if len(words) not in counts:
+    values, several = _values(text), "s" if counts != (1,) else ""
+    if len(values) not in counts:
         expected = " or ".join(str(count) for count in counts)
         raise element.refuse(f"{name} is {quoted(text)}, expected {expected} number{several}")
-    try:
-        values = tuple(map(float, words)) if len(text) < 400 and "_" not in text else (math.nan,)
-    except ValueError:
-        values = (math.nan,)
     if not sum(map(abs, values)) <= LARGEST:  # nor where one is no number
         if not all(map(math.isfinite, values)):
             raise element.refuse(f"{name} is {quoted(text)}, expected finite number{several}")

@@ -209,17 +209,27 @@ def test_neither_mujoco_nor_xpbd_bounds_the_rate_of_a_joint_and_steel_does() -> 
     assert rates == pytest.approx({"mujoco": 2.0, "xpbd": 2.0, "steel": 0.5}, rel=1e-3)
 
 
-def test_a_ray_meets_a_plane_at_a_graze_some_tens_of_micrometres_off() -> None:
-    builder = newton.ModelBuilder(gravity=(0.0, 0.0, 0.0))
-    builder.add_shape_plane(None, xform=at(), width=0.0, length=0.0)
+@pytest.mark.parametrize(("turn", "least", "most"), [(0.0, 0.0, 5e-6), (0.7, 3e-5, 5e-4)], ids=["flat", "tilted"])
+def test_rays_meet_a_tilted_plane_at_a_graze_a_tenth_of_a_millimetre_off(turn: float, least: float, most: float) -> None:
+    """Within 50 m, from .9 m above; on a plane along the axes no more than the digits of the distance."""
+    axis = np.array([1.0, 2.0, 0.5]) / math.sqrt(5.25)
+    x, y, z, w = (*(axis * math.sin(turn / 2)), math.cos(turn / 2))
+    normal = np.array([2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)])
+    along = np.cross(normal, [0.0, 1.0, 0.0])
+    along /= np.linalg.norm(along)
+    builder, count = newton.ModelBuilder(gravity=(0.0, 0.0, 0.0)), 2000
+    builder.add_shape_plane(None, xform=wp.transform((0.0, 0.0, 0.0), wp.quat(x, y, z, w)), width=0.0, length=0.0)
     model = builder.finalize(device="cpu")
     model.bvh_refit_shapes(model.state())
-    falls, count = np.linspace(0.02, 0.1, 64), 64
-    ways = np.stack([np.sqrt(1.0 - falls**2), np.zeros(count), -falls], axis=1).astype(np.float32)
+    draw = np.random.default_rng(0)
+    falls, angles = draw.uniform(0.02, 0.1, (count, 1)), draw.uniform(0.0, 2 * math.pi, (count, 1))
+    level = np.cos(angles) * along + np.sin(angles) * np.cross(normal, along)
+    ways = (np.sqrt(1.0 - falls**2) * level - falls * normal).astype(np.float32)
+    starts = np.tile(0.9 * normal, (count, 1)).astype(np.float32)
     distance = wp.full(count, -1.0, dtype=float, device="cpu")
     newton.intersect_ray(
         model,
-        ray_origins=wp.array(np.tile([0.3, 0.0, 0.9], (count, 1)).astype(np.float32), dtype=wp.vec3, device="cpu"),
+        ray_origins=wp.array(starts, dtype=wp.vec3, device="cpu"),
         ray_directions=wp.array(ways, dtype=wp.vec3, device="cpu"),
         ray_worlds=wp.zeros(count, dtype=wp.int32, device="cpu"),
         out_dist=distance,
@@ -227,8 +237,8 @@ def test_a_ray_meets_a_plane_at_a_graze_some_tens_of_micrometres_off() -> None:
         out_normal=wp.zeros(count, dtype=wp.vec3, device="cpu"),
         fast_math=False,
     )
-    off = np.abs(distance.numpy() - np.float64(np.float32(0.9)) / falls)
-    assert 1e-6 < off.max() < 1e-4
+    exact = -(starts.astype(np.float64) @ normal) / (ways.astype(np.float64) @ normal)
+    assert least <= np.abs(distance.numpy() - exact).max() < most
 
 
 def spun(tensor: Any, solver: Any) -> Any:

@@ -117,7 +117,7 @@ class Bodies:
                 number = builder.add_shape_ellipsoid(link, rx=a, ry=b, rz=c, **arguments)
             case Plane():
                 if body.motion != "static":
-                    raise Unsupported(f"body '{body.name}': a plane that moves", "Newton's planes stand still")
+                    raise Unsupported(f"body '{body.name}': a plane that moves", "MuJoCo-Warp's planes stand still")
                 arguments["xform"] = self.vendor.transform(p, multiply(q, _from_z(shape.normal)))
                 number = builder.add_shape_plane(None, width=0.0, length=0.0, body=link, **arguments)
             case ConvexHull() | TriangleMesh():

@@ -96,7 +96,7 @@ class Joints:
         ends = [name for name in (joint.parent, joint.child) if name != WORLD]
         touching = len(ends) == 2 and scene.collides(scene.body(ends[0]), scene.body(ends[1]))
         if joint.collide and touching:
-            raise Unsupported(f"joint '{joint.name}'", "MuJoCo-Warp lets no body touch the one that it hangs on")
+            raise Unsupported(f"joint '{joint.name}'", "MuJoCo-Warp's own contacts let no body touch that which it hangs on")
         if isinstance(joint, Distance):
             raise Unsupported(f"joint '{joint.name}'", "Newton's solver over MuJoCo-Warp has no distance joint")
         if self.solver == "xpbd" and (laws := [law for law in carried(joint) if law != "limits"]):
@@ -105,7 +105,7 @@ class Joints:
                 "XPBD, which alone of Newton's solvers here lets bodies rebound, makes the law anew in each iteration",
             )
         if isinstance(joint, Revolute | Prismatic):
-            refuse_speed_limit(joint, "Newton's solvers bound no joint's rate")
+            refuse_speed_limit(joint, "MuJoCo-Warp and XPBD bound no joint's rate")
             if joint.coupling is not None:
                 raise Unsupported(f"joint '{joint.name}': coupling", "the adapter tells Newton no mimic joints")
 

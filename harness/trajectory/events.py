@@ -26,8 +26,8 @@ COUNTS = 0.1
 @dataclass(frozen=True, slots=True)
 class Swing:
     """Terms: turns: how often it turned round. range: between its ends, in the unit of the coordinate; gone: from its start to
-    where it stops, or all of the range where it comes back by more than half of that. begun: the sample at which it had first
-    moved by the least that counts."""
+    where it stops, or all of the range where it comes back by more than half of that. begun: the sample by which its range was first
+    more than the least that counts."""
 
     turns: int
     range: float
@@ -49,7 +49,8 @@ def swing(x: Floats, least: float) -> Swing | None:
         elif rising is not True and value - low > back:
             turns, rising, high = turns + (rising is False), True, value
     net = float(abs(x[-1] - x[0]))
-    return Swing(turns, span, net if net > span / 2 else span, int(np.flatnonzero(np.abs(x - x[0]) > least)[0]))
+    so_far = np.maximum.accumulate(x) - np.minimum.accumulate(x)
+    return Swing(turns, span, net if net > span / 2 else span, int(np.argmax(so_far > least)))
 
 
 Booleans: TypeAlias = NDArray[np.bool_]

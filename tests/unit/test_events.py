@@ -11,7 +11,7 @@ from plumbline.harness.scene import Body, Box, Drive, Plane, Prismatic, Revolute
 from plumbline.harness.scene.joint import Limits
 from plumbline.harness.search.own_limits import OwnLimit
 from plumbline.harness.trajectory import Floats, Trajectory
-from plumbline.harness.trajectory.events import Event, Touched, happened
+from plumbline.harness.trajectory.events import Event, Swing, Touched, happened, swing
 from plumbline.harness.trajectory.parting import NOTHING
 
 TIME = np.arange(181) / 60
@@ -381,3 +381,10 @@ def test_what_falls_back_from_its_edge_rocks_over_and_does_not_slide() -> None:
     assert (rocked.kind, rest.kind) == ("rocked", "at rest")
     assert body_words([rocked]) == "'cube' rocks over by 40 degrees"
     assert "slid" in named(happened(CUBE, moved(CUBE, path(np.minimum(TIME, 1.0)), about_y(angle)), ALWAYS))
+
+
+def test_a_swing_about_its_start_that_goes_less_than_the_least_either_way_begins_where_its_range_is_more() -> None:
+    """A robot of the zoo ended its report: from its start it went .8 of the least one way and .8 the other."""
+    assert swing(np.array([0.0, 0.8, 0.0, -0.8, 0.0]), 1.0) == Swing(1, 1.6, 1.6, 3)
+    assert swing(np.array([0.0, 0.5, 1.5]), 1.0) == Swing(0, 1.5, 1.5, 2)
+    assert swing(np.array([0.0, 0.5, 1.0]), 1.0) is None

@@ -26,8 +26,8 @@ COUNTS = 0.1
 @dataclass(frozen=True, slots=True)
 class Swing:
     """Terms: turns: how often it turned round. range: between its ends, in the unit of the coordinate; gone: from its start to
-    where it stops, or all of the range where it comes back by more than half of that. begun: the sample by which its range was first
-    more than the least that counts."""
+    where it stops, or all of the range where it comes back by more than half of that. begun: the sample by which its range
+    was first more than the least that counts."""
 
     turns: int
     range: float

@@ -385,6 +385,6 @@ def test_what_falls_back_from_its_edge_rocks_over_and_does_not_slide() -> None:
 
 def test_a_swing_about_its_start_that_goes_less_than_the_least_either_way_begins_where_its_range_is_more() -> None:
     """A robot of the zoo ended its report: from its start it went .8 of the least one way and .8 the other."""
-    assert swing(np.array([0.0, 0.8, 0.0, -0.8, 0.0]), 1.0) == Swing(1, 1.6, 1.6, 3)
+    assert swing(np.array([0.0, 0.8, 0.0, -0.8, 0.0]), 1.0) == Swing(0, 1.6, 1.6, 3)
     assert swing(np.array([0.0, 0.5, 1.5]), 1.0) == Swing(0, 1.5, 1.5, 2)
     assert swing(np.array([0.0, 0.5, 1.0]), 1.0) is None

@@ -116,9 +116,7 @@ def _rows(store: Store, trials: Sequence[Facts], swept: Sequence[str]) -> Iterat
 
 def _values(store: Store, trial: str) -> Mapping[str, float]:
     """Values of metrics in a trial; of one that is checked twice the last, which is the same."""
-    table = store.measurements
-    rows = table[table["trial"] == trial]
-    return dict(zip(rows["metric"], map(float, rows["value"]), strict=True))
+    return {row["metric"]: float(row["value"]) for row in store.measured.get(trial, ())}
 
 
 def _rate(row: Facts) -> Interval | None:

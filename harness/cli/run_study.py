@@ -16,10 +16,8 @@ from plumbline.api.engines import chosen_engines
 from plumbline.api.present import present
 from plumbline.harness.cli.guard import GATE, INTERRUPTED, USAGE, check_words, fail_for, say, stop
 from plumbline.harness.cli.options import agreed, limited
-from plumbline.harness.cli.own_import import scene_to_run
 from plumbline.harness.cli.own_scene import closing_count, closing_words, waiting
-from plumbline.harness.cli.robot_options import NAMES, is_robot, is_scene, robot_options, run_options
-from plumbline.harness.cli.zoo_run import ZOO, run_zoo
+from plumbline.harness.cli.robot_options import NAMES, is_robot, is_scene, robot_options, run_options, scene_to_run
 from plumbline.harness.intake.safe_text import quoted
 
 if TYPE_CHECKING:
@@ -170,6 +168,8 @@ def _propose(store: "Store", case: "Case") -> None:
         say(f"without {', '.join(written[1])}: plumbline run {shlex.quote(str(written[0]))}", err=True)
 
 
+ZOO = "zoo"
+"""The study of the zoo, and the folder that it is run into unless another is named."""
 _MERGE = "--resume-with-another-study"
 
 
@@ -227,6 +227,8 @@ def run(
     """Run STUDY: a built-in name (quick, accuracy, price, limits, effects, ...), a study file, a scene or robot of your own."""
     how: bool | Literal["merge"] = "merge" if resume == "merge" else resume is not None
     if study == ZOO and not any(robot.values()):
+        from plumbline.harness.cli.zoo_run import run_zoo
+
         if scheduler is not None or shard != (1, 1):
             raise click.BadParameter("its robots lie on this machine, expected none", param_hint="--scheduler, --shard")
         run_zoo(out or Path("build") / ZOO, globs, engine_names, agreed=agreed, workers=workers, resume=how, budget=budget)

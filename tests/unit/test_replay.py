@@ -12,7 +12,7 @@ from plumbline.harness.adapter import Unavailable
 from plumbline.harness.case.commands import acting
 from plumbline.harness.case.forces import Controlled
 from plumbline.harness.cli.main import main
-from plumbline.harness.cli.own_import import scene_to_run
+from plumbline.harness.cli.robot_options import scene_to_run
 from plumbline.harness.findings import tables
 from plumbline.harness.findings.tables.recorded import _answer, _answering, _delayed
 from plumbline.harness.intake.error import RobotError

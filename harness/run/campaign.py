@@ -95,7 +95,7 @@ def _accuracy(run: _Run, what: str, trials: Sequence[Trial]) -> None:
     if not waiting:
         return
     by_name = {trial.trial: trial for trial in waiting}
-    kept = kept_answers(journal, waiting) if cluster is None else {}
+    kept = kept_answers(journal, waiting, guide) if cluster is None else {}
     alone = [trial for trial in waiting if trial.alteration.name == ALONE]
     beside = [trial for trial in waiting if trial.alteration.name != ALONE and trial.trial not in kept]
     lost: list[str] = []

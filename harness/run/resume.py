@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from plumbline.harness.case.alteration import ALONE
+from plumbline.harness.run.known_results import Guide
 from plumbline.harness.store import disk
 from plumbline.harness.store.journal import Journal, LineChain, StoreError
 from plumbline.harness.store.machine_fingerprint import circumstances, machine_digest
@@ -49,8 +50,9 @@ def damage(folder: Path, record: Record) -> str:
     return ""
 
 
-def kept_answers(journal: Journal, trials: Iterable[Trial]) -> dict[str, Record]:
-    """By trial without a record, a withdrawn record of the same motion whose trajectory was kept: that can be judged anew.
+def kept_answers(journal: Journal, trials: Iterable[Trial], guide: Guide) -> dict[str, Record]:
+    """By trial without a record, one of the same motion, withdrawn or known to the guide, whose trajectory was kept: that can
+    be judged anew.
 
     An ensemble keeps that of one member alone; libraries that variables tell something act on who judges too.
     """
@@ -58,7 +60,7 @@ def kept_answers(journal: Journal, trials: Iterable[Trial]) -> dict[str, Record]
         record.motion: record for record in journal.written.lost.values() if record.trajectory_hash and record.trajectory_kept
     }
     plain = (trial for trial in trials if trial.trial not in journal.records and judged_alone(trial))
-    return {trial.trial: lost[trial.motion] for trial in plain if trial.motion in lost}
+    return {trial.trial: known for trial in plain if (known := lost.get(trial.motion) or guide.alike(trial)) is not None}
 
 
 def judged_alone(trial: Trial) -> bool:

@@ -129,8 +129,8 @@ def _timing(run: _Run, trials: Sequence[Trial]) -> None:
         if trial.experiment.timing
         and trial.alteration.clocked
         and (not (trial.experiment.sweep or trial.experiment.dominance) or trial.trial in near)
-        and journal.timings.get(trial.trial) != here
         and trial.trial in records
+        and journal.written.clocked_on(trial.trial) != here
         and records[trial.trial].status in _TIMED
     ]
     wanted = guide.clocks(due, records)

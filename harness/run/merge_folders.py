@@ -14,6 +14,7 @@ import shutil
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -137,8 +138,8 @@ def _written(sides: Sequence[Index], files: Mapping[str, Path], out: Path) -> li
             for session in index.sessions:
                 journal.begin(session)
             for record in index.records():
-                if not journal.written.holds(record.trial):
-                    journal.append(record.unclocked)
+                if record.trial not in journal.written.entries:
+                    journal.append(replace(record, timing=None))
                 if (machine := index.clocked_on(record.trial)) is None:
                     continue
                 if machines[index.entries[record.trial].question] != machine:
@@ -149,7 +150,7 @@ def _written(sides: Sequence[Index], files: Mapping[str, Path], out: Path) -> li
     finally:
         journal.close()
     parts = [read_plain(index.path.parent / "machine.json") for index in sides]
-    missing = sum(not journal.written.holds(trial) for trial in due)
+    missing = sum(trial not in journal.written.entries for trial in due)
     complete = not missing and all(part.get("complete", False) for part in parts)
     ended = {"complete": complete, "journal": journal.written.reached, "tables": write_tables(out, journal.written.records())}
     write_json(out / "machine.json", parts[-1] | ended)

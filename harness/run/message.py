@@ -18,19 +18,13 @@ from typing import Any
 from pydantic import TypeAdapter, ValidationError
 
 from plumbline.harness.intake.safe_text import readable
-from plumbline.harness.store.record import Record, Sample
+from plumbline.harness.store.record import Answer, Record, Sample
 from plumbline.harness.study.trial import Trial
-from plumbline.harness.trial.accuracy import outcome
 from plumbline.harness.trial.bench import Sampling
 
 LONGEST = 4 * 2**20
 """Bytes of a line; the longest of the catalogue's records take some 30 kB."""
 _PART = 2**16
-_ANSWERED = (
-    *("status", "reason", "detail", "resolved", "warnings", "measurements"),
-    *("sim_seconds", "steps", "trajectory_hash", "rough_cost", "rough_ratio", "substep", "idle", "broke", "memory"),
-)
-"""The fields of a record that are the child's to fill. What was asked of it, the parent knows better."""
 
 
 class BrokenMessage(Exception):
@@ -146,10 +140,12 @@ def read_value(of: type, value: Any) -> Any:
 
 
 def read_record(trial: Trial, value: Any, earlier: str = "") -> Record:
-    """The record that a child told of a trial. Args: earlier: whose answer it may have judged. Raises: BrokenMessage."""
-    answer: Record = read_value(Record, value)
-    fields = {name: getattr(answer, name) for name in _ANSWERED} | {"simulated_as": earlier if answer.simulated_as else ""}
-    return replace(outcome(trial, answer.status, answer.reason), **fields)
+    """The record of a trial with the answer that a child told: what was asked of it, this process knows better.
+
+    Args: earlier: whose answer it may have judged. Raises: BrokenMessage.
+    """
+    answer: Answer = read_value(Answer, value)
+    return trial.record(replace(answer, simulated_as=earlier if answer.simulated_as else ""))
 
 
 def read_sample(value: Any) -> Sample:

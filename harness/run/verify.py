@@ -78,23 +78,15 @@ def problems(
     yield from _strangers(store.folder, index)
 
 
-def notices(folder: Path) -> Iterator[str]:
-    """What is worth knowing of a run folder and is not wrong."""
-    try:
-        entries = read_index(folder / "journal.jsonl").entries.values()
-    except (StoreError, OSError):  # a problem, and told as one
-        return
-    if older := sum(entry.machine is not None and not entry.clocked for entry in entries):
-        yield f"{folder}: {older} timings of an older version, which do not say whether they are of whole runs"
-
-
 def _clocked(cases: Mapping[str, Any], path: Path, record: Record) -> Iterator[Unsound]:
     """A timing over anything but whole runs, by what the catalogue says that a run is."""
-    case, due = cases.get(record.case, {}), None
-    if record.clocks in ("work", "reading") and record.unit != "ray" and "steady" in case:
+    case, due, timing = cases.get(record.case, {}), None, record.timing
+    if timing is None:
+        return
+    if record.clocks in ("work", "reading") and timing.unit != "ray" and "steady" in case:
         due = max(1, round(case["duration"] / record.dt) - round((case["steady"] or 0.0) / record.dt))
-    others = [sample for sample in record.samples if record.clocked and due not in (None, sample.run)]
-    if wrong := parts_of_runs(record.clocked, record.samples) or others:
+    others = [sample for sample in timing.samples if timing.clocked and due not in (None, sample.run)]
+    if wrong := parts_of_runs(timing) or others:
         whole = wrong[0].run if due is None else due
         what = f"trial {record.trial} was clocked over {wrong[0].steps} steps, expected whole runs of {whole}"
         yield Unsound(path, what, "its price is of a part of the motion; clock it anew in a new folder")

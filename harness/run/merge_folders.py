@@ -25,7 +25,7 @@ from plumbline.harness.store import disk
 from plumbline.harness.store.journal import FolderTaken, StoreError, Writer
 from plumbline.harness.store.journal_index import Index, Whereabouts, read_index
 from plumbline.harness.store.machine_fingerprint import circumstances
-from plumbline.harness.store.seal import Damaged, require_seal, sealed_json, sealed_toml
+from plumbline.harness.store.seal import Damaged, read_sealed, sealed_json, sealed_toml
 from plumbline.harness.store.store import Store, ends_early, read_plain, write_json
 from plumbline.harness.store.stored_tables import write_tables
 
@@ -115,7 +115,7 @@ def _files(sides: Sequence[Index]) -> dict[str, Path]:
                     continue
                 try:
                     if path.suffix != ".log":
-                        require_seal(path, disk.read(path))
+                        read_sealed(path)
                     sound[name] = path
                 except Damaged as error:
                     damaged[name] = f"{path}: {error}; run that part again with --resume, which makes it anew"

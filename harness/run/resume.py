@@ -19,7 +19,7 @@ from plumbline.harness.store import disk
 from plumbline.harness.store.journal import Journal, LineChain, StoreError
 from plumbline.harness.store.machine_fingerprint import circumstances, machine_digest
 from plumbline.harness.store.record import Record
-from plumbline.harness.store.seal import Damaged, require_seal
+from plumbline.harness.store.seal import Damaged, read_sealed
 from plumbline.harness.store.store import ends_early, read_plain
 from plumbline.harness.study.library_variants import obstacle
 from plumbline.harness.study.provenance import moves_alike, what_changed
@@ -35,7 +35,7 @@ def damage(folder: Path, record: Record) -> str:
         return ""
     path = folder / "trajectories" / f"{record.trajectory_hash}.npz"
     try:
-        require_seal(path, disk.read(path))
+        read_sealed(path)
     except FileNotFoundError:
         return f"{path} is missing"
     except Damaged as error:
@@ -203,7 +203,7 @@ def _mended_truths(folder: Path) -> list[str]:
     notices = []
     for path in sorted((folder / "truths").glob("[!.]*")):
         try:
-            require_seal(path, disk.read(path))
+            read_sealed(path)
         except (Damaged, KeyError) as error:
             disk.remove(path)
             notices.append(f"{path} was damaged ({error}): removed, and made again when it is wanted")

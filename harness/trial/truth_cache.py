@@ -31,7 +31,7 @@ from plumbline.harness.store import disk
 from plumbline.harness.store.arrays import read_arrays, write_arrays
 from plumbline.harness.store.journal import StoreError
 from plumbline.harness.store.record import digest
-from plumbline.harness.store.seal import Damaged, require_seal, sealed_json
+from plumbline.harness.store.seal import Damaged, read_sealed, sealed_json
 from plumbline.harness.study.plugins import adapter
 from plumbline.harness.trajectory import Floats, State, Trajectory
 
@@ -184,9 +184,7 @@ def _read_bounds(kept: Path | None) -> list[float] | None:
     if kept is None or not kept.is_file():
         return None
     try:
-        content = disk.read(kept)
-        require_seal(kept, content)
-        bounds: list[float] = json.loads(content)["bounds"]
+        bounds: list[float] = json.loads(read_sealed(kept))["bounds"]
     except Damaged as error:
         _damaged(kept, error)
         return None

@@ -30,7 +30,7 @@ from plumbline.harness.store.store import Store, ends_early, read_plain, write_j
 from plumbline.harness.store.stored_tables import write_tables
 
 _CARRIED = re.compile(
-    r"(trajectories/[0-9a-f]{16}\.npz|truths/[0-9a-f]{16}\.(npz|json)|scenes/[0-9a-f]{12}/[\w.-]+\.(toml|json)|logs/[\w-]+\.log)"
+    r"(trajectories/[0-9a-f]{16}\.npz|truths/[0-9a-f]{16}\.npz|scenes/[0-9a-f]{12}/[\w.-]+\.(toml|json)|logs/[\w-]+\.log)"
 )
 """What a folder has beside its journal."""
 

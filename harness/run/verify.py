@@ -25,7 +25,7 @@ from plumbline.harness.store.stored_tables import COLUMNS, in_parquet
 
 _ANEW = "--resume makes it anew"
 _DELETE = "nothing needs it; delete it"
-_TRUTH = re.compile(r"[0-9a-f]{16}\.(npz|json)")
+_TRUTH = re.compile(r"[0-9a-f]{16}\.npz")
 _KEPT = ("study.toml", "catalogue.json", "machine.json")
 _SHOWN = ("report", "recordings", imported_scenes.MINIMAL)
 """Folders that hold what people look at: made from the others alone, and not checked."""

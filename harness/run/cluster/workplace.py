@@ -282,7 +282,7 @@ def _stored(answered: Answered, trial: Trial, folder: Path) -> Record:
             raise StoreError(f"a worker answered with a file at {quoted(place)}, expected one of a run folder's own")
         path = folder / place
         try:
-            if path.suffix in (".npz", ".json"):
+            if path.suffix == ".npz":
                 require_seal(path, content)
         except Damaged as error:
             raise StoreError(f"{path}: came damaged from its worker: {error}") from None

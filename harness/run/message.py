@@ -10,6 +10,7 @@ import json
 import os
 import time
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import replace
 from functools import cache
 from multiprocessing.connection import Connection, wait
@@ -18,6 +19,8 @@ from typing import Any
 from pydantic import TypeAdapter, ValidationError
 
 from plumbline.harness.intake.safe_text import readable
+from plumbline.harness.run.fork_servers import Forked
+from plumbline.harness.run.interrupt import MemoryWatch
 from plumbline.harness.store.record import Answer, Record, Sample
 from plumbline.harness.study.trial import Trial
 from plumbline.harness.trial.bench import Sampling
@@ -110,6 +113,28 @@ class Inbox:
             return os.read(self.pipe.fileno(), _PART)
         except ConnectionError:
             return b""
+
+
+@dataclasses.dataclass(slots=True)
+class Worker:
+    """A process off a fork server, as seen from here. Terms: watch: of its memory; None where nobody watches. inbox: what it
+    says."""
+
+    process: Forked
+    watch: MemoryWatch | None
+    inbox: Inbox
+
+    def tell(self, message: object) -> None:
+        """Tell it something; that it has died while it waited is for its inbox to say."""
+        with suppress(ConnectionError):
+            self.inbox.pipe.send(message)
+
+    def stop(self) -> None:
+        """End it, whatever it does, and what it started."""
+        if self.watch is not None:
+            self.watch.stop()
+        self.process.end()
+        self.inbox.pipe.close()
 
 
 def _parsed(line: bytes) -> tuple[str, Any]:

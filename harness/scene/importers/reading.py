@@ -26,7 +26,7 @@ from plumbline.harness.scene.importers.kinematics import Posed, Twist, posed
 from plumbline.harness.scene.importers.known import OWN_ENDINGS, importer_of, robot_endings
 from plumbline.harness.scene.importers.looks import coloured, drawn_bodies, looks_of
 from plumbline.harness.scene.importers.materials import Laws, laws_of, one_friction
-from plumbline.harness.scene.importers.merging import Group, grouped
+from plumbline.harness.scene.importers.merging import Group, check_masses, grouped
 from plumbline.harness.scene.importers.mounting import mounted
 from plumbline.harness.scene.importers.poses import IDENTITY, Array, Pose, pose, turn
 from plumbline.harness.scene.importers.robot import Robot
@@ -244,6 +244,7 @@ class _Made:
 def _made(robot: Robot, companion: Companion) -> _Made:
     base, twist = _base(companion.base)
     groups, at = grouped(robot), posed(robot, base, twist)
+    check_masses(groups)
     laws = laws_of(robot, groups, companion)
     return _Made(groups, at, laws, tree_of(robot, groups, at, laws, companion))
 

@@ -80,7 +80,8 @@ class Servo:
 class Tie:
     """Whom a coordinate follows: x = ratio y + offset, y being the coordinate `joint`.
 
-    Terms: kinds: any of which, dropped by the user, sets it free. soft: the file says how softly it holds.
+    Terms: joint: '' where a loader does not tell. kinds: any of which, dropped by the user, sets it free. soft: the file says
+    how softly it holds.
     """
 
     joint: str
@@ -146,6 +147,12 @@ class Link:
     drawn: tuple[Geometry, ...] = ()
     looks: tuple[Look, ...] = ()
     where: str = ""
+
+    @property
+    def coordinate(self) -> Coordinate:
+        """The one coordinate of a link that has one."""
+        (coordinate,) = self.coordinates
+        return coordinate
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

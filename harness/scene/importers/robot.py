@@ -8,9 +8,11 @@ after the other, each about an axis that the ones before it have moved:
 A link without coordinates is fixed to its parent.
 """
 
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field, replace
+from itertools import chain
 from pathlib import Path
-from typing import Literal
+from typing import Literal, Self
 from zlib import crc32
 
 import numpy as np
@@ -254,6 +256,19 @@ class Robot:
     speed_limits: bool = False
     wordless: frozenset[str] = frozenset()
     source: str = ""
+
+    def told(self, *rows: list[Fidelity]) -> Self:
+        """The robot with more rows."""
+        return replace(self, rows=(*self.rows, *chain(*rows)))
+
+    def coordinates(self) -> Iterator[Coordinate]:
+        """Those of all links."""
+        return (c for link in self.links for c in link.coordinates)
+
+    def each(self, change: Callable[[Coordinate], Coordinate]) -> Self:
+        """The robot with each coordinate changed."""
+        links = (replace(link, coordinates=tuple(map(change, link.coordinates))) for link in self.links)
+        return replace(self, links=tuple(links))
 
 
 def symmetric(tensor: Array) -> Matrix3:

@@ -14,6 +14,7 @@ differences of a pair are told apart, and each is worth the torque that makes up
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -66,9 +67,9 @@ def compare(a: Canonical, b: Canonical, tolerance: float = TOLERANCE, seed: int 
         return [row for row, _ in rows]
     states = drawn(a, partner, seed)
     if "drive" not in wordless:
-        for k, (mine, first) in enumerate(zip(a.joints, first_rates(a), strict=False)):
-            if mine.kind in SCALAR:
-                rows += [(row, None) for row in _drive(mine, partner.joints[k], k, first, states, by)]
+        for k, (joint, rate) in enumerate(zip(a.joints, first_rates(a), strict=False)):
+            if joint.kind in SCALAR:
+                rows += [(row, None) for row in _drive(joint, partner.joints[k], k, rate, states, by)]
     return [*_with_worth(a, gravity, states, rows), *_derived(a, partner, gravity, states, by)]
 
 
@@ -210,7 +211,7 @@ def _drive(
         x, y = getattr(mine, field), getattr(other, field)
         if x == y or (field in ("target", "target_velocity") and times == 0):
             continue
-        more = {"unit": unit, "words": "one is bounded, the other is not"}
+        more: dict[str, Any] = {"unit": unit, "words": "one is bounded, the other is not"}
         if x is not None and y is not None:
             size, torque = abs(x - y), float(abs(x - y) * times)
             more |= {"size": size, "scale": by.lengths(own) if field == "target" else max(abs(x), abs(y)), "torque": torque}

@@ -1,5 +1,6 @@
 """What fixed joints hold together, as one: groups of links with one mass, one tensor and all their shapes."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -61,10 +62,16 @@ def grouped(robot: Robot) -> dict[str, Group]:
             for kind in ("geometries", "drawn")
         )
         still = not lead_link.coordinates
-        if solids and not still and sum(solid.mass for solid in solids) <= 0:
-            raise RobotError(f"{lead_link.where}: <inertial> has mass 0 and an inertia that is not 0, expected a mass above 0")
         made[name] = Group(lead_link, above[name], still, together(solids) if solids else None, shapes, drawn, poses)
     return made
+
+
+def check_masses(groups: Mapping[str, Group]) -> None:
+    """Refuse a tensor that moves and has no mass. Raises: RobotError."""
+    for group in groups.values():
+        if group.solid is not None and not group.still and group.solid.mass <= 0:
+            where = group.lead.where
+            raise RobotError(f"{where}: <inertial> has mass 0 and an inertia that is not 0, expected a mass above 0")
 
 
 def check_inertia(group: Group, tensor: Array) -> None:

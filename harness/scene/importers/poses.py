@@ -1,13 +1,20 @@
 """Rigid poses as a matrix and a vector: a frame B in a frame A by R_AB, shape (3, 3), and p_AB [m], shape (3,)."""
 
 from dataclasses import dataclass
+from typing import Annotated, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
+from pydantic import PlainSerializer, PlainValidator
 
 from plumbline.harness.scene.values import Quaternion, Vector3
 
-Array = npt.NDArray[np.float64]
+Array: TypeAlias = Annotated[
+    npt.NDArray[np.float64],
+    PlainValidator(lambda rows: np.array(rows, dtype=np.float64)),
+    PlainSerializer(lambda array: array.tolist()),
+]
+"""Numbers, as JSON lists of lists between processes."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -187,12 +187,9 @@ def _mimics(joints: list[Element]) -> dict[str, Element]:
 
 
 def _rows(joints: list[Element], left: urdf_grammar.Left) -> list[Fidelity]:
-    rows = [
-        Fidelity(
-            element=tag, name="", count=count, outcome="left_out", consequence=urdf_grammar.FOREIGN.get(tag, "a dialect's own")
-        )
-        for tag, count in left.foreign.items()
-    ]
+    rows = list[Fidelity]()
+    for tag, count in left.foreign.items():
+        rows += Fidelity.left_out(tag, "", urdf_grammar.FOREIGN.get(tag, "a dialect's own"), count=count)
     for word, owners in left.unknown.items():
         rows += Fidelity.left_out(word, owners, "no word of URDF, and near none that changes the motion")
     for tag in ("safety_controller", "calibration"):

@@ -139,7 +139,7 @@ class Shapes:
         """What became of the shapes."""
         rows = []
         if self._exact:
-            rows.append(Fidelity(element="collision", name="primitives", count=self._exact, outcome="exact", becomes="shapes"))
+            rows += Fidelity.exact("collision", "primitives", "shapes", count=self._exact)
         if self._excess:
             known = [value for value in self._excess.values() if value == value]
             what = "the hull's volume exceeds" if self._convex is None else "the pieces' volumes together exceed"
@@ -165,15 +165,12 @@ class Shapes:
                 "inertial", links, f"{word} of the collision shapes, filled evenly", consequence="the file gives none"
             )
         if self._drawn:
-            rows.append(
-                Fidelity(
-                    element="visual",
-                    name="",
-                    count=self._drawn,
-                    outcome="left_out",
-                    becomes="the collision shapes are drawn",
-                    consequence="pictures and cameras see what collides",
-                )
+            rows += Fidelity.left_out(
+                "visual",
+                "",
+                "pictures and cameras see what collides",
+                count=self._drawn,
+                becomes="the collision shapes are drawn",
             )
         return rows
 

@@ -80,6 +80,8 @@ def check_inertia(group: Group, tensor: Array) -> None:
     Raises: RobotError.
     """
     a, b, c = (float(moment) for moment in np.linalg.eigvalsh((tensor + tensor.T) / 2))
+    if a > 0 and a + b >= c * (1 - 1e-9):
+        return
     several = len(group.members) > 1
     links = f"link{'s' * several} {listed(list(group.members))}{', fixed together, have' if several else ' has'}"
     if not tensor.any() and group.lead.coordinates and {c.kind for c in group.lead.coordinates} <= {"free", "prismatic"}:
@@ -88,8 +90,7 @@ def check_inertia(group: Group, tensor: Array) -> None:
         raise RobotError(
             f"{group.lead.where}: {links} principal moments ({a:.6g}, {b:.6g}, {c:.6g}) kg m2, expected all above 0"
         )
-    if a + b < c * (1 - 1e-9):
-        raise RobotError(
-            f"{group.lead.where}: {links} principal moments ({a:.6g}, {b:.6g}, {c:.6g}) kg m2, of which the largest "
-            "exceeds the sum of the others; no body has such a tensor (triangle inequality)"
-        )
+    raise RobotError(
+        f"{group.lead.where}: {links} principal moments ({a:.6g}, {b:.6g}, {c:.6g}) kg m2, of which the largest "
+        "exceeds the sum of the others; no body has such a tensor (triangle inequality)"
+    )

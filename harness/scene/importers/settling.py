@@ -145,7 +145,9 @@ def settled(robot: Robot, companion: Companion, commands: Mapping[str, Samples] 
         replace(
             link,
             coordinates=tuple(_coordinate(c, companion, commands.get(c.name), rows) for c in link.coordinates),
-            geometries=tuple(replace(g, contact=companion.materials.get(link.name, g.contact)) for g in link.geometries),
+            geometries=tuple(replace(g, contact=companion.materials[link.name]) for g in link.geometries)
+            if link.name in companion.materials
+            else link.geometries,
         )
         for link in robot.links
     )
@@ -179,7 +181,8 @@ def _coordinate(c: Coordinate, companion: Companion, samples: Samples | None, ro
         position = _inside(c, position, rows)
     c = replace(c, position=position, velocity=wish.velocity or c.velocity)
     _outside(c, rows)
-    return replace(c, servo=_servo(c, wish, companion, wish.motion if samples is None else samples))
+    servo = _servo(c, wish, companion, wish.motion if samples is None else samples)
+    return c if servo is c.servo else replace(c, servo=servo)
 
 
 def _start(c: Coordinate, wish: JointWish, companion: Companion) -> float:

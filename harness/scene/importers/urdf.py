@@ -173,7 +173,9 @@ def _tied(read: dict[str, Link], joints: list[Element]) -> tuple[dict[str, Link]
         and leader != name
     }
     linked = {
-        name: replace(link, coordinates=tuple(replace(c, tie=ties.get(c.name)) for c in link.coordinates))
+        name: replace(link, coordinates=tuple(replace(c, tie=ties[c.name]) for c in link.coordinates))
+        if any(c.name in ties for c in link.coordinates)
+        else link
         for name, link in read.items()
     }
     still = tuple(name for name in mimics if name not in ties and kinds[mimics[name].attributes["joint"]] == "fixed")

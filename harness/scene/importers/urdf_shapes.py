@@ -181,13 +181,16 @@ def pose_of(element: Element) -> Pose:
     if origin is None:
         return IDENTITY
     xyz, rpy = (numbers(origin, name, (3,)) or (0.0, 0.0, 0.0) for name in ("xyz", "rpy"))
+    p = np.array(xyz) + 0.0  # no zero with a sign
+    if not any(rpy):
+        return Pose(IDENTITY.R, p)
     (sr, sp, sy), (cr, cp, cy) = np.sin(rpy), np.cos(rpy)
     R = [
         [cp * cy, sp * (sr * cy) - cr * sy, sp * (cr * cy) + sr * sy],
         [cp * sy, sp * (sr * sy) + cr * cy, sp * (cr * sy) - sr * cy],
         [-sp, cp * sr, cp * cr],
     ]
-    return Pose(np.array(R) + 0.0, np.array(xyz) + 0.0)  # no zero with a sign
+    return Pose(np.array(R) + 0.0, p)
 
 
 def _form(element: Element) -> Element:

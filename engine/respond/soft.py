@@ -86,8 +86,8 @@ def resist_at(
                 point[i, at.NORMAL_IMPULSE] = impulse
                 if key[m, at.STRIKES] == 1:
                     point[i, at.SPIKE] = max(point[i, at.SPIKE], impulse)
-                change = impulse - before
-                lift = axpy(change, sym_vec(normals, (1.0, y, -x)), lift)
+                change, by_it = impulse - before, sym_vec(normals, (1.0, y, -x))
+                lift = axpy(impulse, by_it, axpy(-before, by_it, lift))
                 f, m1, m2 = f + change, fma(y, change, m1), fma(-x, change, m2)
             pressed = add(pressed, (f, m1, m2))
             slide = add(slide, mat_vec(coupling, (f, m1, m2)))

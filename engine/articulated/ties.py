@@ -14,6 +14,7 @@ import math
 from typing import Final
 
 from plumbline.engine.articulated import tables as tree
+from plumbline.engine.articulated.motion import change_along
 from plumbline.engine.articulated.tables import Tables
 from plumbline.engine.compile.jit import kernel
 from plumbline.engine.maths.rows import load3, store3
@@ -83,26 +84,27 @@ def answer_inwards(tables: Tables, tie: int) -> None:
 
 
 @kernel
-def answer_outwards(tables: Tables, tie: int) -> None:
-    """Write what a unit of a tie's force changes of every column's rate and every link's motion, from what it leaves."""
-    answer, column, kind = tables.tie_link, tables.column, tables.kind
-    row, first_column = tie * kind.shape[0], tie * column.shape[0]
+def answer_outwards(tables: Tables, answer: int, moved: bool) -> None:
+    """Write what an answer changes of every column's rate and every link's motion, from what it leaves along columns.
+
+    Args: moved: whether columns whose change is prescribed make it, and links have a bias.
+    """
+    link, column, kind = tables.tie_link, tables.column, tables.kind
+    row, first_column = answer * kind.shape[0], answer * column.shape[0]
     for i in range(kind.shape[0]):
         parent = kind[i, tree.PARENT]
         a_w, a_v = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+        if moved:
+            a_w, a_v = load3(tables.motion, i, tree.BIAS), load3(tables.motion, i, tree.BIAS + 3)
         if parent >= 0:
-            a_w = load3(answer, row + parent, tree.TIE_ACCELERATION)
-            a_v = load3(answer, row + parent, tree.TIE_ACCELERATION + 3)
+            a_w = add(a_w, load3(link, row + parent, tree.TIE_ACCELERATION))
+            a_v = add(a_v, load3(link, row + parent, tree.TIE_ACCELERATION + 3))
         for k in range(kind[i, tree.FIRST], kind[i, tree.FIRST] + kind[i, tree.COLUMNS]):
-            change = 0.0
-            if column[k, tree.ADDED] != math.inf:
-                taken = dot(load3(column, k, tree.PULL), a_w) + dot(load3(column, k, tree.PULL + 3), a_v)
-                change = column[k, tree.INVERSE] * (tables.tie_column[first_column + k, tree.TIE_LEFT] - taken)
-                a_w = axpy(change, load3(column, k, tree.AXIS_W), a_w)
-                a_v = axpy(change, load3(column, k, tree.AXIS_W + 3), a_v)
+            change = column[k, tree.CHANGE] if moved else 0.0
+            change, a_w, a_v = change_along(column, k, tables.tie_column[first_column + k, tree.TIE_LEFT], change, a_w, a_v)
             tables.tie_column[first_column + k, tree.TIE_CHANGE] = change
-        store3(answer, row + i, tree.TIE_ACCELERATION, a_w)
-        store3(answer, row + i, tree.TIE_ACCELERATION + 3, a_v)
+        store3(link, row + i, tree.TIE_ACCELERATION, a_w)
+        store3(link, row + i, tree.TIE_ACCELERATION + 3, a_v)
 
 
 @kernel
@@ -120,7 +122,7 @@ def factor_ties(tables: Tables) -> None:
     n, low = tables.tie.shape[0], tables.tie_factor
     for t in range(n):
         answer_inwards(tables, t)
-        answer_outwards(tables, t)
+        answer_outwards(tables, t, moved=False)
     for t in range(n):
         for s in range(t + 1):
             total = slip(tables, t, s)
@@ -139,41 +141,16 @@ def factor_ties(tables: Tables) -> None:
 
 
 @kernel
-def probe(tables: Tables, moved: bool) -> None:
-    """Write into the answer behind those of all ties what changes without them, from what the inward pass left.
-
-    Args: moved: whether columns whose change is prescribed make it, and links have a bias.
-    """
-    column, kind, n = tables.column, tables.kind, tables.tie.shape[0]
-    answer, row, first_column = tables.tie_link, n * tables.kind.shape[0], n * tables.column.shape[0]
-    for i in range(kind.shape[0]):
-        parent = kind[i, tree.PARENT]
-        a_w, a_v = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
-        if moved:
-            a_w, a_v = load3(tables.motion, i, tree.BIAS), load3(tables.motion, i, tree.BIAS + 3)
-        if parent >= 0:
-            a_w = add(a_w, load3(answer, row + parent, tree.TIE_ACCELERATION))
-            a_v = add(a_v, load3(answer, row + parent, tree.TIE_ACCELERATION + 3))
-        for k in range(kind[i, tree.FIRST], kind[i, tree.FIRST] + kind[i, tree.COLUMNS]):
-            change = column[k, tree.CHANGE] if moved else 0.0
-            if column[k, tree.ADDED] != math.inf:
-                taken = dot(load3(column, k, tree.PULL), a_w) + dot(load3(column, k, tree.PULL + 3), a_v)
-                change = column[k, tree.INVERSE] * (column[k, tree.LEFT] - taken)
-            a_w = axpy(change, load3(column, k, tree.AXIS_W), a_w)
-            a_v = axpy(change, load3(column, k, tree.AXIS_W + 3), a_v)
-            tables.tie_column[first_column + k, tree.TIE_CHANGE] = change
-        store3(answer, row + i, tree.TIE_ACCELERATION, a_w)
-        store3(answer, row + i, tree.TIE_ACCELERATION + 3, a_v)
-
-
-@kernel
 def pull_ties(tables: Tables, moved: bool) -> None:
     """Let the ties hold: add their forces to what the inward pass left along columns and made links need.
 
-    Args: moved: as of `probe`.
+    Args: moved: as of `answer_outwards`.
     """
-    probe(tables, moved)
     tie, low, n = tables.tie, tables.tie_factor, tables.tie.shape[0]
+    # What changes without them goes into the answer behind those of all ties.
+    for k in range(tables.column.shape[0]):
+        tables.tie_column[n * tables.column.shape[0] + k, tree.TIE_LEFT] = tables.column[k, tree.LEFT]
+    answer_outwards(tables, n, moved)
     for t in range(n):
         total = -slip(tables, t, n)
         for s in range(t):

@@ -4,6 +4,7 @@ Source: Ericson, Real-Time Collision Detection, section 4.3.1; Catto, Iterative 
 """
 
 from plumbline.engine.broad.bounds import brute_force, place_shapes
+from plumbline.engine.broad.candidates import rank_of
 from plumbline.engine.broad.collision_filter import collision_filter_of
 from plumbline.engine.compile.jit import kernel
 from plumbline.engine.contact.look_ahead import look_ahead
@@ -87,7 +88,7 @@ def build_touches(floats: Floats, ints: Ints, pairs: int) -> None:
     fall = dt * norm(load3(setting, 0, at.GRAVITY))
     found, new, walk, as_before = 0, 0, 0, True
     for p in range(pairs):
-        code = pair[p, 0] * shapes + pair[p, 1]
+        code = rank_of(pair[p, 0], pair[p, 1], shapes)
         a, b = pair[p, 0], pair[p, 1]
         if shape_kind[a, at.TYPE] != at.SPHERE or kind[shape_kind[a, at.OWNER], at.MOTION] != at.DYNAMIC:
             a, b = b, a

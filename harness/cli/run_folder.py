@@ -183,13 +183,10 @@ def verify(folder: Path) -> None:
     """Check each file of DIR, a run or a history, against its checksum and the journal; a line for what is not as written."""
     from plumbline.harness.history.folder import opened as opened_history
     from plumbline.harness.history.retention import problems_of
-    from plumbline.harness.run.verify import notices, problems
+    from plumbline.harness.run.verify import problems
 
     history = opened_history(folder) if (folder / "history.json").is_file() else None
     sentences = [str(problem) for problem in (problems(folder) if history is None else problems_of(history))]
-    for each in [folder] if history is None else [night.folder for night in history.nights()]:
-        for notice in notices(each):
-            say(notice, err=True)
     for sentence in sentences:
         say(sentence)
     say(f"{len(sentences)} problems" if sentences else "every file is as it was written", err=True)

@@ -270,6 +270,20 @@ def test_a_truth_without_its_seal_is_made_again(folder: Path, capsys: pytest.Cap
     ledger.survived("strange stores", "a truth without its seal", "made again, and said")
 
 
+@pytest.mark.parametrize(("place", "table"), [("scenes/abc/fidelity.json", "fidelity"), ("zoo/a.json", "zoo")])
+@pytest.mark.parametrize("content", [b'{"name": "a"}', sealed_json("another.json", {"name": "a"}), b"[" * 100_000])
+def test_what_robots_became_is_named_where_it_is_not_as_it_was_written(
+    content: bytes, place: str, table: str, folder: Path, ledger: Page
+) -> None:
+    path = folder / place
+    path.parent.mkdir(parents=True)
+    path.write_bytes(content)
+    done = called("show", folder, "--table", table)
+    assert (done.exit_code, str(path) in done.stderr) == (3, True), (done.stderr, done.exception)
+    assert path in {problem.path for problem in problems(folder)}
+    ledger.survived("strange stores", f"a damaged table of {table}", "named, tracebacks 0")
+
+
 # What is merged.
 
 

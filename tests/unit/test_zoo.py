@@ -17,8 +17,7 @@ from plumbline.harness.run import zoo_intake
 from plumbline.harness.run.verify import problems
 from plumbline.harness.run.zoo_intake import RobotByRobot, taken_in
 from plumbline.harness.store import zoo_record
-from plumbline.harness.store.journal import FolderTaken
-from plumbline.harness.store.seal import Damaged
+from plumbline.harness.store.journal import DamagedFile, FolderTaken
 from plumbline.harness.store.store import Store
 from plumbline.harness.store.zoo_record import ZooEntry
 from plumbline.harness.study import plugins
@@ -136,7 +135,7 @@ def test_an_entry_that_is_not_as_it_was_written_is_told(folder: Path, taken: dic
     path = tmp_path / "zoo" / "tiny_zoo.pair.json"
     path.rename(other := path.with_name("tiny_zoo.arm.json"))
     assert [where for where, _ in zoo_record.unsound(tmp_path)] == [other]
-    with pytest.raises(Damaged):
+    with pytest.raises(DamagedFile):
         list(zoo_record.entries(tmp_path))
 
 

@@ -233,7 +233,7 @@ def _closures(model: Model, names: list[str], rows: list[Fidelity], needs: list[
     for k, raw in enumerate(model.eq_type):
         word, name = model.word("Eq", int(raw)), model.name("equality", k)
         if not model.eq_active0[k]:
-            rows.append(Fidelity(element="equality", name=name, outcome="left_out", consequence="the file starts without it"))
+            rows += Fidelity.left_out("equality", name, "the file starts without it")
             continue
         if word == "joint":
             continue
@@ -322,17 +322,10 @@ def _others(model: Model, text: Prepared, springs: Container[int]) -> list[Need]
 
 def _beside(model: Model, text: Prepared, cords: Container[int]) -> list[Fidelity]:
     """Rows for what stands beside the motion."""
-    rows = [
-        Fidelity(
-            element=tag, name="", count=count, outcome="left_out", consequence="how it looks; the motion does not depend on it"
-        )
-        for tag, count in text.removed.items()
-    ]
-    if model.nlight:
-        row = Fidelity(
-            element="light", name="", count=int(model.nlight), outcome="left_out", consequence="it shows, and moves nothing"
-        )
-        rows.append(row)
+    rows, why = list[Fidelity](), "how it looks; the motion does not depend on it"
+    for tag, count in text.removed.items():
+        rows += Fidelity.left_out(tag, "", why, count=count)
+    rows += Fidelity.left_out("light", "", "it shows, and moves nothing", count=int(model.nlight))
     passive = [
         model.name("tendon", k)
         for k in range(len(model.tendon_limited))
@@ -350,15 +343,11 @@ def _beside(model: Model, text: Prepared, cords: Container[int]) -> list[Fidelit
             consequence="how far a joint gives at its end is each engine's own, not the file's solref and solimp; "
             "margins are left out",
         )
-    rows.append(
-        Fidelity(
-            element="option",
-            name="",
-            outcome="left_out",
-            consequence="time step, integrator and solver are settings of a run and no part of a scene; "
-            "the file's time step is",
-            value=float(model.opt_timestep),
-            unit="s",
-        )
+    rows += Fidelity.left_out(
+        "option",
+        "",
+        "time step, integrator and solver are settings of a run and no part of a scene; the file's time step is",
+        value=float(model.opt_timestep),
+        unit="s",
     )
     return rows

@@ -48,8 +48,7 @@ def read(model: Model, ctrl: Array) -> tuple[Servos, Servos, list[Fidelity], lis
     has no word for."""
     if model.flag("actuation"):
         count = len(model.actuator_trntype)
-        row = Fidelity(element="actuator", name="", count=count, outcome="exact", consequence="the file switches actuators off")
-        return {}, {}, [row] if count else [], []
+        return {}, {}, Fidelity.exact("actuator", "", count=count, consequence="the file switches actuators off"), []
     laws: dict[tuple[_Kind, int], list[tuple[str, _Law]]] = {}
     strange: list[str] = []
     for k in range(len(model.actuator_trntype)):

@@ -39,7 +39,7 @@ def geometries(model: Model, keys: Mapping[int, str], rows: list[Fidelity], need
             exact += 1
         made.setdefault(body, []).append(Geometry(shape, Pose(X.R, X.p), key))
     if exact:
-        rows.append(Fidelity(element="geom", name="primitives", count=exact, outcome="exact", becomes="shapes"))
+        rows += Fidelity.exact("geom", "primitives", "shapes", count=exact)
     rows += Fidelity.exact(
         "geom mesh",
         hulls,

@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from plumbline.harness.intake.error import listed
 from plumbline.harness.scene import ConvexHull, Ellipsoid, polyhedron_of
 from plumbline.harness.scene.importers.fidelity import Fidelity
 from plumbline.harness.scene.importers.robot import Geometry, Robot
@@ -28,18 +27,10 @@ def as_polyhedra(robot: Robot) -> Robot:
         links.append(replace(link, geometries=tuple(made)))
     if not names:
         return robot
-    row = Fidelity(
-        element=ELEMENT,
-        name=listed(names),
-        count=len(names),
-        outcome="approximated",
-        becomes="a polyhedron of 162 corners",
-        consequence="as the companion asks; it rocks on its facets, and contacts lie inside the true surface by up to",
-        value=inside,
-        unit="m",
-    )
+    words = "as the companion asks; it rocks on its facets, and contacts lie inside the true surface by up to"
+    row = Fidelity.approximated(ELEMENT, names, "a polyhedron of 162 corners", consequence=words, value=inside, unit="m")
     rows = tuple(each for each in robot.rows if each.element != ELEMENT)
-    return replace(robot, links=tuple(links), rows=(*rows, row))
+    return replace(robot, links=tuple(links), rows=rows).told(row)
 
 
 def _inside(shape: Ellipsoid) -> float:

@@ -1,7 +1,7 @@
 """Scenarios for any robot: what happens to it where nothing but its file is given."""
 
 import math
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -51,12 +51,7 @@ def rooted_for(scenario: Scenario | None, robot: Robot, companion: Companion, wi
 def unpowered(robot: Robot) -> Robot:
     """Without drives."""
     slack = tuple(replace(cord, servo=None) for cord in robot.tendons)
-    return replace(_each(robot, lambda c: replace(c, servo=None)), tendons=slack)
-
-
-def _each(robot: Robot, change: Callable[[Coordinate], Coordinate]) -> Robot:
-    links = tuple(replace(link, coordinates=tuple(change(c) for c in link.coordinates)) for link in robot.links)
-    return replace(robot, links=links)
+    return replace(robot.each(lambda c: replace(c, servo=None)), tendons=slack)
 
 
 def swung(robot: Robot) -> Robot:
@@ -72,12 +67,10 @@ def swung(robot: Robot) -> Robot:
         moved = here + min(way, 0.5 * up) if up >= down else here - min(way, 0.5 * down)
         return replace(c, position=moved, servo=None)
 
-    return _each(robot, off)
+    return robot.each(off)
 
 
-def held_by_drives(
-    robot: Robot, poses: Sequence[Sequence[Massive]], names: Collection[str] | None = None
-) -> tuple[Robot, list[Fidelity]]:
+def held_by_drives(robot: Robot, poses: Sequence[Sequence[Massive]], names: Collection[str] | None = None) -> Robot:
     """Each joint without a drive gets one that holds it where it starts.
 
     Args: poses: that it is strong enough for. names: of these joints alone; of all if None.
@@ -104,19 +97,11 @@ def held_by_drives(
         gain, damping = own[c.name] * HOLD_RATE**2, 2 * own[c.name] * HOLD_RATE
         return replace(c, servo=replace(stated, stiffness=gain, damping=damping))
 
-    made = _each(robot, hold)
-    row = Fidelity(
-        element="drive",
-        name="",
-        count=len(given),
-        outcome="approximated",
-        becomes="a critically damped drive that holds the start",
-        consequence="the file gives no gains; natural frequency of each with the other joints held"
-        f"{', where its inertia is greatest' if len(poses) > 1 else ''}",
-        value=HOLD_RATE / (2 * math.pi),
-        unit="Hz",
-    )
-    return made, [row] if given else []
+    made, becomes = robot.each(hold), "a critically damped drive that holds the start"
+    words = "the file gives no gains; natural frequency of each with the other joints held"
+    words += ", where its inertia is greatest" if len(poses) > 1 else ""
+    rate = HOLD_RATE / (2 * math.pi)
+    return made.told(Fidelity.approximated("drive", "", becomes, consequence=words, value=rate, unit="Hz", count=len(given)))
 
 
 def grounded(companion: Companion) -> Companion:

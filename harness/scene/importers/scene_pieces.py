@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from plumbline.harness.intake.error import listed
 from plumbline.harness.scene import Body, ConvexHull, PlacedShape, Scene, TriangleMesh
 from plumbline.harness.scene.importers.decomposition import pieces_of
 from plumbline.harness.scene.importers.fidelity import Fidelity
@@ -42,17 +41,10 @@ def in_pieces(scene: Scene, most: int, where: str, tell: Callable[[str], object]
         bodies.append(_shaped(body, tuple(shapes)) if body.name in counts else body)
     if not counts:
         return scene, []
-    row = Fidelity(
-        element="collision mesh",
-        name=listed(list(counts)),
-        count=len(counts),
-        outcome="approximated",
-        becomes=f"{sum(counts.values())} convex pieces by CoACD, at most {most} a mesh",
-        consequence="contacts where the mesh is hollow; the pieces' volumes together exceed a closed mesh's by at most",
-        value=excess,
-        unit="1",
-    )
-    return replace(scene, bodies=tuple(bodies)), [row]
+    becomes = f"{sum(counts.values())} convex pieces by CoACD, at most {most} a mesh"
+    words = "contacts where the mesh is hollow; the pieces' volumes together exceed a closed mesh's by at most"
+    rows = Fidelity.approximated("collision mesh", list(counts), becomes, consequence=words, value=excess, unit="1")
+    return replace(scene, bodies=tuple(bodies)), rows
 
 
 def _closed(placed: PlacedShape) -> Mesh | None:

@@ -32,41 +32,32 @@ def poses_of(robot: Robot) -> list[Robot]:
             middle, reach = _reach(c)
             return replace(c, position=middle + share * reach) if c.kind in ("revolute", "prismatic") else c
 
-        links = tuple(replace(link, coordinates=tuple(there(c) for c in link.coordinates)) for link in robot.links)
-        made.append(replace(robot, links=links))
+        made.append(robot.each(there))
     return made
 
 
-def swept(robot: Robot, poses: Sequence[Sequence[Massive]]) -> tuple[Robot, list[Fidelity]]:
+def swept(robot: Robot, poses: Sequence[Sequence[Massive]]) -> Robot:
     """The robot with a drive on each joint, whose target goes through the range, and what is to be said of that.
 
     Where the companion moves a target that motion stays. In a machine with closed loops joints do not move freely of each
     other: there those with a drive of their own are swept or, where none has one, the first.
     """
-    scalar = [c for link in robot.links for c in link.coordinates if c.kind in ("revolute", "prismatic")]
-    moving = scalar
+    moving = [c for c in robot.coordinates() if c.kind in ("revolute", "prismatic")]
     if robot.closures:
-        moving = [c for c in scalar if c.servo is not None] or scalar[:1]
+        moving = [c for c in moving if c.servo is not None] or moving[:1]
     names = {c.name for c in moving}
-    if robot.closures:
-        driven, rows = held_by_drives(robot, poses, names)
-    else:
-        driven, rows = held_by_drives(robot, poses)
-    made = tuple(
-        replace(link, coordinates=tuple(_swept(c) if c.name in names else c for c in link.coordinates)) for link in driven.links
+    driven = held_by_drives(robot, poses, names if robot.closures else None)
+    frequencies = {c.name: _frequency(c, _reach(c)[1]) for c in moving}
+    slow = Fidelity.exact(
+        "sweep",
+        [name for name, frequency in frequencies.items() if frequency < FREQUENCY],
+        "a slower sinusoid",
+        consequence=f"no faster than the joint may be, nor than {FASTEST:g} rad/s or {FASTEST / 10:g} m/s; the slowest "
+        "goes there and back at",
+        value=min(frequencies.values(), default=FREQUENCY),
+        unit="Hz",
     )
-    slow = [c.name for c in moving if _frequency(c, _reach(c)[1]) < FREQUENCY]
-    if slow:
-        rows += Fidelity.exact(
-            "sweep",
-            slow,
-            "a slower sinusoid",
-            consequence=f"no faster than the joint may be, nor than {FASTEST:g} rad/s or {FASTEST / 10:g} m/s; the slowest "
-            "goes there and back at",
-            value=min(_frequency(c, _reach(c)[1]) for c in moving),
-            unit="Hz",
-        )
-    return replace(driven, links=made), rows
+    return driven.each(lambda c: _swept(c) if c.name in names else c).told(slow)
 
 
 def _swept(c: Coordinate) -> Coordinate:

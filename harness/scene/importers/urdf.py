@@ -173,7 +173,9 @@ def _tied(read: dict[str, Link], joints: list[Element]) -> tuple[dict[str, Link]
         and leader != name
     }
     linked = {
-        name: replace(link, coordinates=tuple(replace(c, tie=ties.get(c.name)) for c in link.coordinates))
+        name: replace(link, coordinates=tuple(replace(c, tie=ties[c.name]) for c in link.coordinates))
+        if any(c.name in ties for c in link.coordinates)
+        else link
         for name, link in read.items()
     }
     still = tuple(name for name in mimics if name not in ties and kinds[mimics[name].attributes["joint"]] == "fixed")
@@ -187,12 +189,9 @@ def _mimics(joints: list[Element]) -> dict[str, Element]:
 
 
 def _rows(joints: list[Element], left: urdf_grammar.Left) -> list[Fidelity]:
-    rows = [
-        Fidelity(
-            element=tag, name="", count=count, outcome="left_out", consequence=urdf_grammar.FOREIGN.get(tag, "a dialect's own")
-        )
-        for tag, count in left.foreign.items()
-    ]
+    rows = list[Fidelity]()
+    for tag, count in left.foreign.items():
+        rows += Fidelity.left_out(tag, "", urdf_grammar.FOREIGN.get(tag, "a dialect's own"), count=count)
     for word, owners in left.unknown.items():
         rows += Fidelity.left_out(word, owners, "no word of URDF, and near none that changes the motion")
     for tag in ("safety_controller", "calibration"):

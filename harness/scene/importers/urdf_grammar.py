@@ -124,13 +124,14 @@ FOREIGN: Mapping[str, str] = MappingProxyType(
 
 
 @lru_cache(maxsize=4096)
-def _values(text: str) -> tuple[float, ...]:
-    """As many numbers as there are words, NaN where one is none. Texts of a file are few, and read more than once."""
+def _values(text: str) -> tuple[tuple[float, ...], bool]:
+    """As many numbers as there are words, NaN where one is none; are all of a size that is taken? Texts are read repeatedly."""
     words = text.split()
     try:
-        return tuple(map(float, words)) if len(text) < 400 and "_" not in text else (math.nan,) * len(words)
+        values = tuple(map(float, words)) if len(text) < 400 and "_" not in text else (math.nan,) * len(words)
     except ValueError:
-        return (math.nan,) * len(words)
+        values = (math.nan,) * len(words)
+    return values, sum(map(abs, values)) <= LARGEST
 
 
 def numbers(element: Element, name: str, counts: tuple[int, ...] = (1,)) -> tuple[float, ...] | None:
@@ -138,15 +139,17 @@ def numbers(element: Element, name: str, counts: tuple[int, ...] = (1,)) -> tupl
     text = element.attributes.get(name)
     if text is None:
         return None
-    values, several = _values(text), "s" if counts != (1,) else ""
+    values, taken = _values(text)
+    if taken and len(values) in counts:
+        return values
+    several = "s" if counts != (1,) else ""
     if len(values) not in counts:
         expected = " or ".join(str(count) for count in counts)
         raise element.refuse(f"{name} is {quoted(text)}, expected {expected} number{several}")
-    if not sum(map(abs, values)) <= LARGEST:  # nor where one is no number
-        if not all(map(math.isfinite, values)):
-            raise element.refuse(f"{name} is {quoted(text)}, expected finite number{several}")
-        if wrong := next(filter(None, map(wrong_size, values)), ""):
-            raise element.refuse(f"{name} is {quoted(text)}, {wrong}")
+    if not all(map(math.isfinite, values)):
+        raise element.refuse(f"{name} is {quoted(text)}, expected finite number{several}")
+    if wrong := next(filter(None, map(wrong_size, values)), ""):
+        raise element.refuse(f"{name} is {quoted(text)}, {wrong}")
     return values
 
 
@@ -163,7 +166,7 @@ class Left:
 
 
 def check(root: Element, *, strict: bool = False) -> tuple[Element, Left]:
-    """The robot with nothing but URDF's own elements, and what was left behind.
+    """The robot, out of which all is taken that is not URDF's own, and what was left behind.
 
     Args: strict: is every word refused that is neither URDF's nor a known dialect's? Else those that are no slip of the pen for
     what changes the motion are left behind.
@@ -172,7 +175,8 @@ def check(root: Element, *, strict: bool = False) -> tuple[Element, Left]:
     if root.tag != "robot":
         raise root.refuse("is the root of the file, expected <robot>")
     left = Left()
-    return _checked(root, left, strict), left
+    _check_element(root, left, strict)
+    return root, left
 
 
 def _passed_over(word: str, words: Iterable[str], strict: bool) -> bool:
@@ -180,7 +184,7 @@ def _passed_over(word: str, words: Iterable[str], strict: bool) -> bool:
     return not (strict or word in _ALONE or misspelt(word, (each for each in words if each not in _STILL)))
 
 
-def _checked(element: Element, left: Left, strict: bool) -> Element:
+def _check_element(element: Element, left: Left, strict: bool) -> None:
     _check_attributes(element, left, strict)
     if element.tag == "geometry":
         shapes = [child.tag for child in element.children if child.tag not in FOREIGN or child.tag in ("capsule", "cdf")]
@@ -192,7 +196,8 @@ def _checked(element: Element, left: Left, strict: bool) -> Element:
     for child in element.children:
         foreign = child.tag.partition(":")[0]
         if child.tag in known:
-            kept.append(_checked(child, left, strict))
+            _check_element(child, left, strict)
+            kept.append(child)
         elif foreign == "xacro":
             raise child.refuse("a macro that was not expanded; run xacro first and give its output")
         elif foreign in FOREIGN or ":" in child.tag:
@@ -220,7 +225,7 @@ def _checked(element: Element, left: Left, strict: bool) -> Element:
         for axis in element.all("axis") if element.attributes["type"] not in ("fixed", "floating") else ():
             if math.hypot(*(numbers(axis, "xyz", (3,)) or (1.0,))) < 1e-9:
                 raise axis.refuse(f"xyz is {quoted(axis.attributes['xyz'])}, expected a direction")
-    return Element(element.tag, element.attributes, element.file, element.line, kept)
+    element.children = kept
 
 
 def _check_dialect(element: Element) -> None:
@@ -244,7 +249,7 @@ def _check_attributes(element: Element, left: Left, strict: bool) -> None:
             raise element.refuse(f"{name} is missing, expected {'a number' if name in _NUMBERS.get(tag, {}) else 'a text'}")
     counts = _NUMBERS.get(tag, {})
     for name, text in element.attributes.items():
-        if "${" in text or "$(" in text:
+        if "$" in text and ("${" in text or "$(" in text):
             raise element.refuse(f"{name} is {quoted(text)}: a macro that was not expanded; run xacro first")
         if name in counts:
             values = numbers(element, name, counts[name])

@@ -3,11 +3,11 @@
     (a H^-1 a^T + 1 / (h slope)) f = (push / slope - l') / h - a q''_free      on a piece, f = push - slope (l' + h l'')
     (a H^-1 a^T) f = (v - l') / h - a q''_free                                 at a jump, which fixes the rate v at the end
 
-So a tendon is a row beside those of ties (`ties`), softer by what its law gives way: spring, damper and drive are as implicit as
-those of a joint, and a bound holds as exactly. A piece without slope is a force that is known. Which piece holds is found with
-those of the columns (`bounded`, `sides`).
+So a tendon is a row beside those of ties (`ties`), softer by what its law gives way: spring, damper and drive are as implicit
+as those of a joint, and a bound holds as exactly. A piece without slope is a force that is known. Which piece holds is found
+with those of the columns (`bounded`, `sides`).
 
-Source: as `engine.articulated.ties` and `engine.articulated.laws`; Lacoursiere, Ghosts and Machines, 2007, section 4 (soft rows).
+Source: as `engine.articulated.ties` and `engine.articulated.laws`; Lacoursiere, Ghosts and Machines, 2007, section 4.
 """
 
 import math
@@ -118,7 +118,7 @@ def segment_next(tables: Tables, n: int, h: float, rate: float, open_by: float) 
 
 @kernel
 def change_pieces(tables: Tables, h: float, wrong: int, alone: bool) -> int:
-    """As `bounded.change_segments` of tendons. Args: wrong: columns on the wrong segment. Returns: these, with tendons on one."""
+    """As `bounded.change_segments`, of tendons. Args: wrong: columns on the wrong segment. Returns: all that were on one."""
     for n in range(tables.tendon.shape[0]):
         c = tables.column.shape[0] + n
         if tables.law[c, tree.BREAKS] == 0.0:
@@ -137,7 +137,7 @@ def are_on_pieces(tables: Tables, h: float, open_by: float) -> bool:
     """Whether every tendon is on the right segment at the present rates, which are those of the end."""
     for n in range(tables.tendon.shape[0]):
         c = tables.column.shape[0] + n
-        if tables.law[c, tree.BREAKS] > 0.0:
-            if segment_next(tables, n, h, along_arms(tables, n, tree.RATE), open_by) != int(tables.law[c, tree.SEGMENT]):
-                return False
+        after = segment_next(tables, n, h, along_arms(tables, n, tree.RATE), open_by)
+        if tables.law[c, tree.BREAKS] > 0.0 and after != int(tables.law[c, tree.SEGMENT]):
+            return False
     return True

@@ -147,7 +147,7 @@ def test_what_a_tendon_cannot_be_is_refused_by_name() -> None:
         arm({"elbow": 1.0}, replace(EULER, integrator="rk4"), None)
     with pytest.raises(ValueError, match="tendon 'tendon': 'knee' is no joint with one coordinate"):
         arm({"knee": 1.0}, EULER, None)
-    with pytest.raises(ValueError, match="arm of 'elbow' 0.0, expected another than 0"):
+    with pytest.raises(ValueError, match=r"arm of 'elbow' 0\.0, expected another than 0"):
         arm({"elbow": 0.0}, EULER, None)
     with pytest.raises(ValueError, match="no arms"):
         Tendon(name="idle", arms={})

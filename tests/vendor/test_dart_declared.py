@@ -217,8 +217,8 @@ def test_a_mesh_comes_from_a_file_alone_and_a_hull_of_points_is_held_by_bullet_s
 def test_a_grippers_tendon_by_torques_of_the_start_of_a_step_diverges_where_steps_are_long(rate: int, holds: bool) -> None:
     """Two fingers of 0.005 kg m2 and the mean of their angles, driven to 0.4 rad by 100 N m/rad and 10 N m s/rad.
 
-    The mean gives way by s = 2 0.5^2/0.005 = 100 a unit of torque: a damper of the start multiplies its rate by 1 - 10 s h in each
-    step, which grows beyond h = 1/500 s.
+    The mean gives way by s = 2 0.5^2/0.005 = 100 a unit of torque: a damper of the start multiplies its rate by 1 - 10 s h in
+    each step, which grows beyond h = 1/500 s.
     """
     world = dartpy.simulation.World("gripper")
     world.setGravity((0.0, 0.0, 0.0))

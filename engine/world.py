@@ -23,7 +23,7 @@ from plumbline.engine.contact.points import Contacts, joined, manifold_points, s
 from plumbline.engine.describe.bodies import Body, Surface
 from plumbline.engine.describe.check import finite, number, whole
 from plumbline.engine.describe.errors import Diverged, NotSupported
-from plumbline.engine.describe.joints import Joint
+from plumbline.engine.describe.joints import Joint, Tendon
 from plumbline.engine.describe.optics import Sun
 from plumbline.engine.maths.types import Floats, Ints
 from plumbline.engine.memory import arena as at
@@ -51,7 +51,7 @@ class World:
     Args:
         bodies, joints: as described; names are unique. surfaces: the law of each pair of materials, in either order; other
         pairs are frictionless and do not bounce. gravity (3,) m/s2. options: how to solve. apart: pairs of materials that
-        never touch. sun: the light that pictures are taken in.
+        never touch. sun: the light that pictures are taken in. tendons: over coordinates of joints, in joint coordinates alone.
     Raises: ValueError naming the element, field and value; NotSupported for open meshes that forces move or that are to be had
         at a level of detail, for swept collision of meshes that forces move, for an integrator of free bodies where there are
         joints or contacts, for initial velocities that a joint forbids, for bodies too thin for joints (`build.slenderness`),
@@ -67,6 +67,7 @@ class World:
         options: Options | None = None,
         apart: Sequence[tuple[str, str]] = (),
         sun: Sun | None = None,
+        tendons: Sequence[Tendon] = (),
     ) -> None:
         self.options = options or Options()
         self._dt = self.options.dt
@@ -77,7 +78,7 @@ class World:
         joints = elimination_order(bodies, joints)
         self.sun = sun or Sun()
         self.touching = self.options.contacts and may_touch(bodies)
-        forest = chosen_forest(bodies, joints, self.options, self.touching)
+        forest = chosen_forest(bodies, joints, self.options, self.touching, tendons)
         islands = self.touching and forest is None and wants_islands(bodies, joints, self.options)
         self._floats, self._ints = assemble_world(bodies, joints, surfaces or {}, gravity, self.options, apart, islands)
         check_initial_rates(bodies, joints)

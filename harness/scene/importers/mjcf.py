@@ -122,22 +122,19 @@ def _start(model: Model, keyframe: str | None, source: str) -> _Start:
 
 def _check(model: Model, source: str) -> None:
     """What MuJoCo's compiler takes and no robot has. Raises: RobotError."""
-    for name, values in model.arrays.items():
-        if values.dtype.kind == "f" and not np.isfinite(values).all():
-            raise RobotError(f"{source}: compiled {name} is not finite, expected finite numbers")
     for k, (low, high) in enumerate(model.jnt_range):
         if model.jnt_limited[k] and low > high:
             joint = quoted(model.name("joint", k), 80)
             raise RobotError(f"{source}: <joint> {joint}: range is {low:g} to {high:g}, expected lower <= upper")
     for array, element in (("jnt_stiffness", "joint"), ("geom_friction", "geom"), ("body_mass", "body")):
-        bad = np.argwhere(model.arrays[array] < 0)
+        bad = np.argwhere(getattr(model, array) < 0)
         if len(bad):
             label = quoted(model.name(element, int(bad[0][0])), 80)
             raise RobotError(f"{source}: <{element}> {label}: {array.partition('_')[2]} is negative, expected 0 or more")
     for array in ("dof_damping", "dof_armature", "dof_frictionloss"):
-        for dof in np.flatnonzero(model.arrays[array] < 0):
+        for dof in np.flatnonzero(getattr(model, array) < 0):
             index = int(np.flatnonzero(model.jnt_dofadr <= dof)[-1])
-            value = float(model.arrays[array][dof])
+            value = float(getattr(model, array)[dof])
             raise RobotError(
                 f"{source}: <joint> {quoted(model.name('joint', index), 80)}: {array.partition('_')[2]} is {value:g}, "
                 "expected 0 or more"
@@ -325,7 +322,7 @@ def _beside(model: Model, text: Prepared, cords: Container[int]) -> list[Fidelit
     rows, why = list[Fidelity](), "how it looks; the motion does not depend on it"
     for tag, count in text.removed.items():
         rows += Fidelity.left_out(tag, "", why, count=count)
-    rows += Fidelity.left_out("light", "", "it shows, and moves nothing", count=int(model.nlight))
+    rows += Fidelity.left_out("light", "", "it shows, and moves nothing", count=len(model.names["light"]))
     passive = [
         model.name("tendon", k)
         for k in range(len(model.tendon_limited))

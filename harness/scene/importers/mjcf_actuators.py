@@ -63,8 +63,8 @@ def read(model: Model, ctrl: Array) -> tuple[Servos, Servos, list[Fidelity], lis
     for (kind, number), acting in laws.items():
         array = "jnt" if kind == "joint" else "tendon"
         whole: tuple[float, ...] = (-math.inf, math.inf)
-        if model.arrays[f"{array}_actfrclimited"][number]:
-            low, high = model.arrays[f"{array}_actfrcrange"][number]
+        if getattr(model, f"{array}_actfrclimited")[number]:
+            low, high = getattr(model, f"{array}_actfrcrange")[number]
             whole = float(low), float(high)
         servo, names = _servo([law for _, law in acting], whole), [name for name, _ in acting]
         if servo is None or (kind == "tendon" and servo.push):

@@ -26,7 +26,7 @@ def read(model: Model, names: Sequence[str], asked: Cameras | None) -> tuple[tup
     """The cameras with their link for a body, and what became of all of them. Args: names: of the links."""
     made: list[Camera] = []
     left: list[str] = []
-    for k in range(int(model.ncam)):
+    for k in range(len(model.cam_mode)):
         name = model.name("camera", k)
         rides = model.word("CamLight", int(model.cam_mode[k])) == "fixed"
         if asked is None or not rides or model.cam_projection[k] != 0 or model.cam_sensorsize[k].any():

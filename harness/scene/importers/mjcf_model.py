@@ -5,7 +5,7 @@ import json
 import os
 import re
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -28,18 +28,30 @@ _LINE = re.compile(r",? line (\d{1,9})")
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Model:
-    """A compiled model. Terms: arrays: by MuJoCo's names. names: by kind, of each element, or ''. enums: by kind, word."""
+    """A compiled model.
+
+    Terms: arrays: by MuJoCo's names. names: by kind, of each element, or ''. enums: by kind, word. source: the file, in words.
+    sound: arrays that are known to be finite.
+    """
 
     arrays: dict[str, Any]
     names: dict[str, list[str]]
     enums: dict[str, dict[str, int]]
     version: str
+    source: str = ""
+    sound: set[str] = field(default_factory=set)
 
     def __getattr__(self, name: str) -> Any:
+        """Raises: RobotError, where it is not finite."""
         try:
-            return self.arrays[name]
+            values = self.arrays[name]
         except KeyError:
             raise AttributeError(name) from None
+        if values.dtype.kind == "f" and name not in self.sound:
+            if not np.isfinite(values).all():
+                raise RobotError(f"{self.source}: compiled {name} is not finite, expected finite numbers")
+            self.sound.add(name)
+        return values
 
     def word(self, kind: str, value: int) -> str:
         """The compiler's word for a number, like 'hinge' for a joint's type."""
@@ -54,12 +66,18 @@ class Model:
         return bool(int(self.arrays["opt_disableflags"]) & self.enums["DisableBit"][word])
 
 
-def model_of(archive: bytes) -> Model:
+_SHORT = {"joint": "jnt", "camera": "cam", "equality": "eq"}
+_NAMED = ("body", "joint", "geom", "equality", "actuator", "tendon", "key", "sensor", "camera", "light", "site")
+
+
+def model_of(archive: bytes, source: str) -> Model:
     """The model in an archive that the compiler's process has left."""
     with np.load(io.BytesIO(archive), allow_pickle=False) as kept:
         arrays = {name: kept[name] for name in kept.files}
-    words = json.loads(bytes(arrays.pop("words")).decode())
-    return Model(arrays, words["names"], words["enums"], words["version"])
+    words, blob = json.loads(bytes(arrays.pop("words")).decode()), bytes(arrays.pop("names"))
+    starts = {kind: arrays[f"name_{_SHORT.get(kind, kind)}adr"].tolist() for kind in _NAMED}
+    names = {kind: [blob[at : blob.index(0, at)].decode(errors="replace") for at in at_all] for kind, at_all in starts.items()}
+    return Model(arrays, names, words["enums"], words["version"], source)
 
 
 def compile_apart(text: Prepared, file: str) -> Model:
@@ -77,7 +95,7 @@ def compile_apart(text: Prepared, file: str) -> Model:
         schema = known.read_text(encoding="utf-8") if known.is_file() else ""
         if out.is_file() and ended.code == 0:
             look_for_misspelt(text, schema)
-            return model_of(out.read_bytes())
+            return model_of(out.read_bytes(), file)
         if error.is_file():
             raise RobotError(said_of(error.read_text(encoding="utf-8", errors="replace"), text, file, schema))
         words = f": {one_line(ended.last_words, 200)}" if ended.last_words else ""

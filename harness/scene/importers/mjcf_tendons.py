@@ -12,7 +12,7 @@ from plumbline.harness.scene.importers.robot import Closure, Cord, Servo
 def pulls(model: Model, k: int) -> bool:
     """Has a tendon a force or an inertia of its own, a limit apart?"""
     words = ("stiffness", "damping", "frictionloss", "armature")
-    return any(bool(np.any(model.arrays[f"tendon_{word}"][k] != 0)) for word in words)
+    return any(bool(np.any(getattr(model, f"tendon_{word}")[k] != 0)) for word in words)
 
 
 def is_fixed(model: Model, k: int) -> bool:
@@ -26,7 +26,7 @@ def has_more(model: Model, k: int) -> bool:
     low, high = (float(x) for x in model.tendon_lengthspring[k])
     beside = ("frictionloss", "armature", "stiffnesspoly", "dampingpoly", "springyield")
     slack = bool(model.tendon_stiffness[k]) and low != high
-    return slack or any(bool(np.any(model.arrays[f"tendon_{word}"][k])) for word in beside)
+    return slack or any(bool(np.any(getattr(model, f"tendon_{word}")[k])) for word in beside)
 
 
 def fixed(model: Model, servos: Mapping[int, Servo], rows: list[Fidelity]) -> dict[int, Cord]:
@@ -90,4 +90,4 @@ def _is_line(model: Model, k: int) -> bool:
     straight = count == 2 and all(model.word("Wrap", int(w)) == "site" for w in model.wrap_type[first : first + 2])
     low, high = (float(x) for x in model.tendon_lengthspring[k])
     beside = ("frictionloss", "armature", "limited", "stiffnesspoly", "dampingpoly", "springyield")
-    return straight and low == high and not any(bool(np.any(model.arrays[f"tendon_{word}"][k])) for word in beside)
+    return straight and low == high and not any(bool(np.any(getattr(model, f"tendon_{word}")[k])) for word in beside)

@@ -16,11 +16,9 @@ from plumbline.harness.intake.near_miss import did_you_mean
 from plumbline.harness.intake.safe_text import quoted, readable
 from plumbline.harness.scene.importers import (
     mjcf_actuators,
-    mjcf_cameras,
     mjcf_contacts,
     mjcf_sensors,
     mjcf_shapes,
-    mjcf_tendons,
 )
 from plumbline.harness.scene.importers.companion import Cameras
 from plumbline.harness.scene.importers.fidelity import Fidelity
@@ -74,12 +72,12 @@ def robot_of(
     )
     closures = _closures(model, names, rows, needs)
     links = _tied(model, links, needs)
-    springs = mjcf_tendons.springs(model, names, rows)
+    springs = mjcf_actuators.springs(model, names, rows)
     closures += springs.values()
-    cords = mjcf_tendons.fixed(model, pulls, rows)
+    cords = mjcf_actuators.fixed(model, pulls, rows)
     needs += _others(model, text, {*springs, *cords})
     sensors, more = mjcf_sensors.read(model, names)
-    seen, looks_on = mjcf_cameras.read(model, names, cameras)
+    seen, looks_on = mjcf_sensors.cameras(model, names, cameras)
     rows += [*more, *looks_on, *_beside(model, text, cords)]
     free = any(c.kind == "free" for link in links for c in link.coordinates)
     gravity = (0.0, 0.0, 0.0) if model.flag("gravity") else tuple(float(g) for g in model.opt_gravity)
@@ -300,7 +298,7 @@ def _others(model: Model, text: Prepared, springs: Container[int]) -> list[Need]
     active = [
         model.name("tendon", k)
         for k in range(len(model.tendon_limited))
-        if k not in springs and (mjcf_tendons.pulls(model, k) or model.tendon_limited[k])
+        if k not in springs and (mjcf_actuators.pulls(model, k) or model.tendon_limited[k])
     ]
     if active:
         needs.append(Need(kind="tendon", element="tendon", names=tuple(active)))
@@ -326,7 +324,7 @@ def _beside(model: Model, text: Prepared, cords: Container[int]) -> list[Fidelit
     passive = [
         model.name("tendon", k)
         for k in range(len(model.tendon_limited))
-        if k not in cords and not model.tendon_limited[k] and not mjcf_tendons.pulls(model, k)
+        if k not in cords and not model.tendon_limited[k] and not mjcf_actuators.pulls(model, k)
     ]
     rows += Fidelity.left_out("tendon", passive, "it has no force of its own where it has no spring, damper, friction or limit")
     held = [model.name("body", k) for k in np.flatnonzero(model.body_mocapid >= 0)]

@@ -215,7 +215,7 @@ def test_what_a_loader_gives_shapes_of_its_own_is_a_row_and_no_difference(
 ) -> None:
     """The numbers are those that each vendor documents as its defaults; Bullet's source has the damping and the motors.
 
-    Source: Bullet, btMultiBody.cpp: m_linearDamping and m_angularDamping are .04; test_bullet_default_motors has the motors' bound.
+    Source: Bullet, btMultiBody.cpp: m_linearDamping and m_angularDamping are .04. The motors: test_bullet_default_motors.
     """
     pytest.importorskip({"bullet": "pybullet", "dart": "dartpy"}.get(engine, engine))
     path = tmp_path / "box.urdf"

@@ -5,7 +5,7 @@ Where every body is still, a step may keep the contacts of the last one and run 
 
 from plumbline.engine.broad.bounds import brute_force, place_shapes
 from plumbline.engine.broad.collision_filter import collision_filter_of
-from plumbline.engine.compile.jit import kernel
+from plumbline.engine.compile.jit import inlined, kernel
 from plumbline.engine.contact.manifolds import build_manifolds
 from plumbline.engine.contact.stillness import keep_rest, mark_still
 from plumbline.engine.contact.tables import old_contacts_of, pairs_of, rules_of
@@ -13,10 +13,16 @@ from plumbline.engine.contact.warm_starting import keep_old, start_anew
 from plumbline.engine.maths.rows import Floats, Ints
 from plumbline.engine.memory import arena as at
 from plumbline.engine.memory.carve import floats_of, ints_of
-from plumbline.engine.memory.status import CONVEX_PENDING, DONE, FULL
+from plumbline.engine.memory.status import CONVEX_PENDING, DONE, FULL, SEARCH_PENDING
 from plumbline.engine.memory.tables import bodies_of, contacts_of, shapes_of
 from plumbline.engine.narrow.collide import is_convex_pair, ordered
 from plumbline.engine.narrow.point import Points
+
+
+@inlined
+def needs_search(ints: Ints) -> bool:
+    """Whether the pairs of the coming step are found before it, and have not been found yet."""
+    return bool(ints_of(ints, at.COUNT)[0, at.BROAD] == 1 and ints_of(ints, at.TALLY)[0, at.SEARCHED] == 0)
 
 
 @kernel
@@ -34,9 +40,10 @@ def keep_contacts(floats: Floats, ints: Ints) -> bool:
 def find_contacts(floats: Floats, ints: Ints) -> int:
     """Find and prepare the contacts of this step, and mark the bodies they touch.
 
-    Returns: DONE, or FULL, or CONVEX_PENDING; then nothing has
-    changed but the list of pairs.
+    Returns: DONE, or SEARCH_PENDING, FULL or CONVEX_PENDING; then nothing has changed but the list of pairs.
     """
+    if needs_search(ints):
+        return SEARCH_PENDING
     bodies, shapes, rules = bodies_of(floats, ints), shapes_of(floats, ints), rules_of(floats, ints)
     pairs, new, old = pairs_of(floats, ints), contacts_of(floats, ints), old_contacts_of(floats, ints)
     bounds, rest = floats_of(floats, ints, at.BOUNDS), floats_of(floats, ints, at.REST)
@@ -53,7 +60,7 @@ def find_contacts(floats: Floats, ints: Ints) -> int:
         a, b = ordered(shapes.kind, pairs.pair[p, 0], pairs.pair[p, 1])
         if count[0, at.CONVEX_READY] == 0 and is_convex_pair(shapes.kind[a, at.TYPE], shapes.kind[b, at.TYPE]):
             return CONVEX_PENDING
-    count[0, at.CONVEX_READY] = 0
+    count[0, at.CONVEX_READY], ints_of(ints, at.TALLY)[0, at.SEARCHED] = 0, 0
     for b in range(count[0, at.BODIES] + 1):
         kind[b, at.TOUCHED] = 0
     keep_old(kind, count, new, old)

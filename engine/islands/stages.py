@@ -18,7 +18,7 @@ from plumbline.engine.islands.sleep import fall_asleep, mark_changed, mark_touch
 from plumbline.engine.maths.rows import Floats, Ints
 from plumbline.engine.memory import arena as at
 from plumbline.engine.memory.carve import floats_of, ints_of
-from plumbline.engine.memory.status import DIVERGED, DONE, FULL, SEARCH_PENDING
+from plumbline.engine.memory.status import DIVERGED, DONE, FULL
 from plumbline.engine.memory.tables import bodies_of
 from plumbline.engine.steps.count_step import count_step
 
@@ -50,8 +50,6 @@ def meet(floats: Floats, ints: Ints, keeping: bool) -> int:
     searching = not keeping or not keep_contacts(floats, ints)
     while True:
         if searching:
-            if count[0, at.BROAD] == 1 and tally[0, at.SEARCHED] == 0:
-                return SEARCH_PENDING
             status = find_contacts(floats, ints)
             if status != DONE:
                 return status
@@ -146,7 +144,7 @@ def carry_kinematic(floats: Floats, ints: Ints) -> None:
 def end_islands(floats: Floats, ints: Ints) -> int:
     """Count the step, and let calm islands sleep. Returns: DONE, or DIVERGED, or FULL."""
     count, tally = ints_of(ints, at.COUNT), ints_of(ints, at.TALLY)
-    tally[0, at.AROUSED], tally[0, at.SEARCHED] = 0, 0
+    tally[0, at.AROUSED] = 0
     if count_step(floats_of(floats, ints, at.STATE), count) == DIVERGED:
         return DIVERGED
     if floats_of(floats, ints, at.SLEEP)[0, at.SLEEP_TIME] == 0.0:

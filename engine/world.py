@@ -18,7 +18,6 @@ from plumbline.engine.build.assembly import assemble_world, islands_know, moves_
 from plumbline.engine.build.initial_rates import check_initial_rates
 from plumbline.engine.build.joint_order import elimination_order
 from plumbline.engine.build.slenderness import check_slenderness
-from plumbline.engine.contact.choice import load_collide, load_sorting
 from plumbline.engine.contact.points import Contacts, joined, manifold_points, sphere_points
 from plumbline.engine.describe.bodies import Body, Surface
 from plumbline.engine.describe.check import finite, number, whole
@@ -31,7 +30,7 @@ from plumbline.engine.memory.status import CONVEX_PENDING, DIVERGED, DONE, FULL,
 from plumbline.engine.options import COLOURED, GAUSS_SEIDEL, Options
 from plumbline.engine.rays.cast import as_rays, cast_on_shapes
 from plumbline.engine.rays.hits import Hits
-from plumbline.engine.steps.choice import Kernels, choose_step, joint_coordinates_step, unsmooth_of
+from plumbline.engine.steps.choice import Kernels, choose_step, joint_coordinates_step, load_collide, load_sorting, unsmooth_of
 from plumbline.engine.steps.lengths import fit_impulses
 
 if TYPE_CHECKING:

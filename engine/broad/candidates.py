@@ -12,8 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from plumbline.engine.broad.bounds import BLOCK, overlap, place_shapes, reaches_plane
-from plumbline.engine.broad.collision_filter import collision_filter_of, kept_apart
+from plumbline.engine.broad.bounds import BLOCK, collision_filter_of, kept_apart, overlap, place_shapes, reaches_plane
 from plumbline.engine.compile.jit import inlined, kernel, template
 from plumbline.engine.maths.rows import Floats, Ints
 from plumbline.engine.memory import arena as at

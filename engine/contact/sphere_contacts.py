@@ -3,9 +3,8 @@
 Source: Ericson, Real-Time Collision Detection, section 4.3.1; Catto, Iterative Dynamics with Temporal Coherence, GDC 2005.
 """
 
-from plumbline.engine.broad.bounds import brute_force, place_shapes
+from plumbline.engine.broad.bounds import brute_force, collision_filter_of, place_shapes
 from plumbline.engine.broad.candidates import rank_of
-from plumbline.engine.broad.collision_filter import collision_filter_of
 from plumbline.engine.compile.jit import kernel
 from plumbline.engine.contact.find_contacts import needs_search
 from plumbline.engine.contact.look_ahead import look_ahead

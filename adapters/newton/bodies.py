@@ -35,8 +35,8 @@ WORLD_BODY = -1
 """Newton's number of the world."""
 
 SOFT_AS_ITS_CONTACT = -1.0
-"""Newton's kf, a gain of friction [N s/m], below 0: friction gives way by the time constant of its contact. At the vendor's 1000
-it is held at 2 ms for a body of 1 kg under elliptic cones and Newton's own collisions, and what slides at 3 m/s hops by 36 mm."""
+"""Newton's kf, a gain of friction [N s/m], below 0: friction gives way by the time constant of its contact. At the vendor's
+1000 it is held at 2 ms for 1 kg under elliptic cones and Newton's own collisions, and what slides at 3 m/s hops by 36 mm."""
 
 
 @dataclass(slots=True)

@@ -24,10 +24,11 @@ KNOWN: Mapping[str, Sequence[Any] | Between] = {
     "contact_weighting": (True, False),
     "restitution_iterations": (1, 2, 4, 8, 16),
 }
-"""contacts: who finds those that MuJoCo-Warp solves. multiccd: does it look for up to four of its own in each pair. cone, impratio: of its friction. contact_steps: the time constant of its
-contacts in steps, at most the vendor's; contact_damping_ratio, contact_impedance: of them. limit_steps: of its joint limits.
-contact_relaxation, contact_weighting: the share of each contact's correction that XPBD takes, and whether it is divided by the
-contacts of a body. restitution_iterations: of XPBD."""
+"""contacts: who finds those that MuJoCo-Warp solves. multiccd: does it look for up to four of its own in each pair. cone,
+impratio: of its friction. contact_steps: the time constant of its contacts in steps, at most the vendor's;
+contact_damping_ratio, contact_impedance: of them. limit_steps: of its joint limits. contact_relaxation, contact_weighting:
+the share of each contact's correction that XPBD takes, and whether it is divided by the contacts of a body.
+restitution_iterations: of XPBD."""
 _VENDOR: Mapping[str, Mapping[str, Any]] = {
     "mujoco": {
         "contacts": "mujoco",

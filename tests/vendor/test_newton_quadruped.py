@@ -94,7 +94,7 @@ def test_no_tolerance_or_iteration_holds_it_under_implicitfast() -> None:
 
 
 def hop(own: bool, cone: str = "elliptic", gain: float | None = None) -> float:
-    """How high [mm] a cube of 0.2 m and 1 kg gets off a plane on which it slides from 3 m/s. Args: gain: kf, or the vendor's."""
+    """How high [mm] a cube of 0.2 m and 1 kg gets off a plane on which it slides from 3 m/s. Args: gain: kf."""
     builder = newton.ModelBuilder(gravity=(0.0, 0.0, -G))
     config = newton.ModelBuilder.ShapeConfig(density=0.0, mu=0.3)
     if gain is not None:

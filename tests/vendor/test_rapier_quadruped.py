@@ -61,9 +61,7 @@ def stand(reduced: bool = False, substeps: int = 4, soft: float | None = None, *
     x, y, z = (quadruped.TRUNK_MASS / 3 * half**2 for half in quadruped.TRUNK_HALF)
     trunk = here.add_body(solid(quadruped.TRUNK_MASS, (y + z, x + z, x + y), (0.0, 0.0, quadruped.HEIGHT)), [])
     shapes = [(rapier.Collider.cuboid(5.0, 5.0, 0.5), ground, GROUND)]
-    parts: dict[str, tuple[Any, Any, Vector]] = {
-        "": (trunk, frame((0.0, 0.0, quadruped.HEIGHT), STILL), (0.0, 0.0, 0.0))
-    }
+    parts: dict[str, tuple[Any, Any, Vector]] = {"": (trunk, frame((0.0, 0.0, quadruped.HEIGHT), STILL), (0.0, 0.0, 0.0))}
     joints = here.multibody_joints if reduced else here.impulse_joints
     handle = None
     for hinge in quadruped.hinges():

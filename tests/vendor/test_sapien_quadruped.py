@@ -1,6 +1,6 @@
 """A quadruped that stands on the drives of its hinges, by SAPIEN's own builder of articulations.
 
-Why `system_worlds` fails on PhysX as it comes: ten iterations of TGS have not converged, and each leaves feet and hinges a share.
+Why `system_worlds` fails on PhysX as it comes: ten iterations of TGS have not converged.
 """
 
 import math

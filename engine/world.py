@@ -11,13 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plumbline.engine.articulated.assembly import grow_world, has_same_trees, motion_of, with_trees
-from plumbline.engine.articulated.choice import chosen_forest
+from plumbline.engine.articulated.forest import chosen_forest
 from plumbline.engine.broad.choice import choose_broad_phase, load_search, load_volume, search_pairs
 from plumbline.engine.build.appearance import looks_of, may_touch
 from plumbline.engine.build.assembly import assemble_world, islands_know, moves_meshes, spheres_only, wants_islands
-from plumbline.engine.build.initial_rates import check_initial_rates
+from plumbline.engine.build.initial_rates import check_initial_rates, check_slenderness
 from plumbline.engine.build.joint_order import elimination_order
-from plumbline.engine.build.slenderness import check_slenderness
 from plumbline.engine.contact.choice import load_collide, load_sorting
 from plumbline.engine.contact.points import Contacts, joined, manifold_points, sphere_points
 from plumbline.engine.describe.bodies import Body, Surface

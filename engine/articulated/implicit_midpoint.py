@@ -15,9 +15,8 @@ import math
 import numpy as np
 
 from plumbline.engine.articulated import tables as tree
-from plumbline.engine.articulated.advance import add_reactions, change_rates, drift_coordinates
+from plumbline.engine.articulated.advance import add_reactions, carry_bases, change_rates, drift_coordinates, free_columns
 from plumbline.engine.articulated.articulated_body import accelerations
-from plumbline.engine.articulated.bases import carry_bases, free_columns
 from plumbline.engine.articulated.bounded import settle_laws, solve_laws
 from plumbline.engine.articulated.column_momenta import begin_column_momenta, column_momenta, rates_of_momenta
 from plumbline.engine.articulated.forces import load_links

@@ -94,7 +94,7 @@ def refine_middle(
 
 @kernel
 def find_middle(tables: Tables, bodies: Bodies, joints: Joints, setting: Floats, h: float, gyroscopic: int) -> bool:
-    """Write the rates of the middle, whose bases are there already, by rounds that are mixed. Returns: whether they were found."""
+    """Write the rates of the middle, whose bases are there already, by mixed rounds. Returns: whether they were found."""
     stage, column = tables.stage, tables.column
     past, answer = np.empty((4, DEPTH + 1, column.shape[0])), np.empty(column.shape[0])
     guess, step = past[0], past[1]

@@ -21,15 +21,6 @@ from plumbline.engine.options import ADAPTIVE, JOINT, MAXIMAL, Options
 
 THINNEST = 1e-12
 """Of m l^2, the least moment of inertia of a body whose centre swings at l about a ball joint. Coordinates of a tree know the
-
-Where joints close loops they are taken if they are asked for by name alone. Where bodies may touch they are taken unless most
-bodies are loose: those have nothing of a tree, and a sweep over both costs more than over bodies alone. Coupled joints and
-bodies without mass leave no choice: a row of bodies' own coordinates is between two bodies, both with mass.
-"""
-
-
-THINNEST = 1e-12
-"""Of m l^2, the least moment of inertia of a body whose centre swings at l about a ball joint. Coordinates of a tree know the
 moment about its own arm as what is left of sums of m l^2: round-off of a torque m g l turns it by 2e-4 g / l then."""
 
 

@@ -53,7 +53,7 @@ class World:
         never touch. sun: the light that pictures are taken in.
     Raises: ValueError naming the element, field and value; NotSupported for open meshes that forces move or that are to be had
         at a level of detail, for swept collision of meshes that forces move, for an integrator of free bodies where there are
-        joints or contacts, for initial velocities that a joint forbids, for bodies too thin for joints (`build.slenderness`),
+        joints or contacts, for initial velocities that a joint forbids, for bodies too thin for joints (`build.initial_rates`),
         for what the exact solver lacks, and for joints beside contacts where these are swept or solved by sequential impulses.
     """
 

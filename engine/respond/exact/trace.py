@@ -48,7 +48,7 @@ def root_of(value: float, width: float) -> tuple[float, float]:
 def look_at(w: Floats, q: Floats, rubs: Ints, x: Floats, widths: tuple[float, float], slope: Floats, out: Floats) -> float:
     """Write -dF/dx into `slope` (3k, 3k), and what there is of each contact into `out` (k, COLUMNS).
 
-    Args: w (3k, 3k), q (k, 3), x (k, 3): as `trace.look`; rubs (k,): 1 with friction; widths: w, and the power of it that is
+    Args: w (3k, 3k), q (k, 3), x (k, 3): as `look`; rubs (k,): 1 with friction; widths: w, and the power of it that is
         the width of sliding.
     Returns: how far the point is from the path.
     """

@@ -11,13 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plumbline.engine.articulated.assembly import grow_world, has_same_trees, motion_of, with_trees
-from plumbline.engine.articulated.choice import chosen_forest
+from plumbline.engine.articulated.forest import chosen_forest
 from plumbline.engine.broad.choice import choose_broad_phase, load_search, load_volume, search_pairs
 from plumbline.engine.build.appearance import looks_of, may_touch
 from plumbline.engine.build.assembly import assemble_world, islands_know, moves_meshes, spheres_only, wants_islands
-from plumbline.engine.build.initial_rates import check_initial_rates
+from plumbline.engine.build.initial_rates import check_initial_rates, check_slenderness
 from plumbline.engine.build.joint_order import elimination_order
-from plumbline.engine.build.slenderness import check_slenderness
 from plumbline.engine.contact.points import Contacts, joined, manifold_points, sphere_points
 from plumbline.engine.describe.bodies import Body, Surface
 from plumbline.engine.describe.check import finite, number, whole
@@ -53,7 +52,7 @@ class World:
         never touch. sun: the light that pictures are taken in. tendons: over coordinates of joints, in joint coordinates alone.
     Raises: ValueError naming the element, field and value; NotSupported for open meshes that forces move or that are to be had
         at a level of detail, for swept collision of meshes that forces move, for an integrator of free bodies where there are
-        joints or contacts, for initial velocities that a joint forbids, for bodies too thin for joints (`build.slenderness`),
+        joints or contacts, for initial velocities that a joint forbids, for bodies too thin for joints (`build.initial_rates`),
         for what the exact solver lacks, and for joints beside contacts where these are swept or solved by sequential impulses.
     """
 

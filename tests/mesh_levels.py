@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from plumbline.engine.build.closed_mesh import closed_volume
 from plumbline.engine.build.level_of_detail import CONCAVITY, simplified
+from plumbline.engine.build.polyhedra import closed_volume
 from plumbline.engine.describe.shapes import Placed, Sphere, TriangleMesh
 from plumbline.engine.maths.arrays import dot, mat_vec, norm, unit
 from plumbline.engine.options import LEVELS

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plumbline import engine
-from plumbline.engine.build.closed_mesh import closed_volume
+from plumbline.engine.build.polyhedra import closed_volume
 from tests.mesh_levels import distances_from
 
 __all__ = [

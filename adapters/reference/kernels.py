@@ -110,12 +110,12 @@ SWEPT = ("swept.earliest.earliest_impact", "swept.strike.place_bodies", "swept.s
 EXACT = (
     *(f"respond.exact.kernels.{name}" for name in ("begin_step", "kick_touched", "drift_touched")),
     *(f"respond.exact.assembly.{name}" for name in ("write_closing", "write_frames", "write_problem", "give_impulses")),
-    "respond.exact.certificate.largest_breach",
+    "respond.exact.law.largest_breach",
     "respond.exact.finish.finish_from",
     "respond.exact.scaled.write_scaled",
-    "respond.exact.look.look_at",
+    "respond.exact.trace.look_at",
 )
-EXACT_JOINTS = ("respond.exact.joint_kernels.write_joint_rows", "respond.exact.joint_kernels.look_at_joints")
+EXACT_JOINTS = ("respond.exact.kernels.write_joint_rows", "respond.exact.kernels.look_at_joints")
 IMAGES = (
     "images.rasteriser.rasterise",
     *(f"images.shading.{name}" for name in ("shade", "name_bodies")),

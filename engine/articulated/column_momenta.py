@@ -11,8 +11,8 @@ Lubich, Wanner, Geometric Numerical Integration, section VI.1 (Hamilton's equati
 """
 
 from plumbline.engine.articulated import tables as tree
+from plumbline.engine.articulated.advance import free_columns
 from plumbline.engine.articulated.articulated_body import accelerations
-from plumbline.engine.articulated.bases import free_columns
 from plumbline.engine.articulated.forces import weigh_links
 from plumbline.engine.articulated.motion import carrier, move_links
 from plumbline.engine.articulated.tables import Tables

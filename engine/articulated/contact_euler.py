@@ -16,23 +16,19 @@ Source: as `engine.articulated.semi_implicit_euler` and `engine.respond.soft`; F
 from typing import Final, NamedTuple
 
 from plumbline.engine.articulated import tables as tree
-from plumbline.engine.articulated.advance import add_reactions, drift_coordinates
+from plumbline.engine.articulated.advance import add_reactions, carry_bases, drift_coordinates
 from plumbline.engine.articulated.articulated_body import answer_forces
-from plumbline.engine.articulated.bases import carry_bases
-from plumbline.engine.articulated.bounded import settle_laws
-from plumbline.engine.articulated.contact_mobility import write_mobilities
-from plumbline.engine.articulated.contact_sweeps import start_warm, sweep_trees
+from plumbline.engine.articulated.bounded import MOST_TURNS, are_settled, settle_laws, start_again, start_laws
+from plumbline.engine.articulated.contact_sweeps import start_warm, sweep_trees, write_mobilities
 from plumbline.engine.articulated.laws import PRESSED, write_laws
 from plumbline.engine.articulated.loops import count_loop_rows, hold_loops, write_loop_matrix, write_loops
 from plumbline.engine.articulated.momenta import centre_velocity, go_on_bending, keep_momenta, put_force
 from plumbline.engine.articulated.motion import move_links
-from plumbline.engine.articulated.responses import write_free_responses, write_responses
+from plumbline.engine.articulated.responses import BODY, LINK, NOWHERE, Touched, write_free_responses, write_responses
 from plumbline.engine.articulated.secants import bend_links
 from plumbline.engine.articulated.semi_implicit_euler import close_bends, take_changes
-from plumbline.engine.articulated.sides import MOST_TURNS, are_settled, start_again, start_laws
 from plumbline.engine.articulated.tables import Tables
 from plumbline.engine.articulated.tendons import write_tendons
-from plumbline.engine.articulated.touched import BODY, LINK, NOWHERE, Touched
 from plumbline.engine.compile.jit import kernel
 from plumbline.engine.integrate.semi_implicit_euler import drift, kick
 from plumbline.engine.maths.rows import Floats, Ints, Vec, load3, load4, store3, store4

@@ -1,22 +1,89 @@
-"""Sweeps of the soft solver over contacts whose bodies hang on others: each manifold's impulses reach all that its trees touch.
+"""What contacts do where their bodies hang on others: the mobility of each manifold, and sweeps that reach all its trees touch.
 
-What a manifold gives is what `engine.respond.soft` finds on its mobility; here that is handed to the places of its bodies.
+Impulses at the centre of a manifold change the relative motion there by M = J G J^T. J takes the velocities of both bodies to
+the relative motion at the centre in its frame. Trees leave directions in which nothing moves, a hinge's link all but one; there
+M has what a share of the bodies' own mobility gives, so that friction has an inverse to work with, and a normal along which no
+motion of the tree opens the gap carries nothing. What a manifold gives in a sweep is what `engine.respond.soft` finds on M; it
+is handed to the places of its bodies.
 
-Source: as `engine.respond.soft`; Featherstone, Rigid Body Dynamics Algorithms, 2008, section 11.5 (contact).
+Source: Khatib, A unified approach for motion and force control of robot manipulators: the operational space formulation, IEEE
+J. Robotics Automation 3, 1987; Featherstone, Rigid Body Dynamics Algorithms, 2008, section 11.5 (contact).
 """
 
 from typing import Final
 
-from plumbline.engine.articulated.touched import LINK, NOWHERE, Touched, give
+from plumbline.engine.articulated.responses import LINK, NOWHERE, Touched, change_of, give
 from plumbline.engine.compile.jit import kernel
-from plumbline.engine.maths.rows import Floats, Vec
+from plumbline.engine.maths.rows import Floats, Vec, store6, store9
 from plumbline.engine.maths.vec import add, cross, neg, tmat_vec
 from plumbline.engine.memory import arena as at
-from plumbline.engine.memory.tables import Contacts
-from plumbline.engine.respond.centre import Centre, centre_of, motion_of, relative_motion
+from plumbline.engine.memory.tables import Bodies, Contacts
+from plumbline.engine.respond.centre import Centre, Motion, centre_of, motion_of, relative_motion
+from plumbline.engine.respond.mobility import write_masses
 from plumbline.engine.respond.soft import resist
 from plumbline.engine.respond.softness import Softness
 from plumbline.engine.respond.substep import kept_impulse
+
+SHARE: Final = 1e-6
+"""Of the bodies' own mobility, which M has more than it should: a foot under a robot leaves a thousand times as much of it."""
+
+UNIT = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+
+
+@kernel
+def answer(touched: Touched, a: int, b: int, centre: Centre, force: Vec, moment: Vec) -> tuple[Vec, Vec]:
+    """The change of the relative motion at the centre by force and moment there, in the frame. Args: a, b: places."""
+    f, t = tmat_vec(centre.frame, force), tmat_vec(centre.frame, moment)
+    on_a, on_b = neg(add(cross(centre.arm_a, f), t)), add(cross(centre.arm_b, f), t)
+    va, wa = change_of(touched, a, a, neg(f), on_a)
+    vb, wb = change_of(touched, b, b, f, on_b)
+    v, w = change_of(touched, a, b, f, on_b)
+    va, wa = add(va, v), add(wa, w)
+    v, w = change_of(touched, b, a, neg(f), on_a)
+    return relative_motion(centre, Motion(va, wa, add(vb, v), add(wb, w)))
+
+
+@kernel
+def own_mobility(body: Floats, a: int, b: int) -> tuple[float, float]:
+    """What the two bodies alone would give way, by force [1/kg] and by moment [1/(kg m2)]."""
+    turning = 0.0
+    for c in range(3):
+        turning += body[a, at.INV_INERTIA + c] + body[b, at.INV_INERTIA + c]
+    return body[a, at.INV_MASS] + body[b, at.INV_MASS], turning / 3.0
+
+
+@kernel
+def write_mobility(bodies: Bodies, contacts: Contacts, touched: Touched, m: int) -> None:
+    """The blocks of M of manifold m, and the effective masses of its points."""
+    manifold, point, key = contacts.manifold, contacts.point, contacts.key
+    a, b = touched.place[key[m, at.BODY_A]], touched.place[key[m, at.BODY_B]]
+    centre = centre_of(manifold, m)
+    still = (0.0, 0.0, 0.0)
+    v1, w1 = answer(touched, a, b, centre, UNIT[0], still)
+    v2, w2 = answer(touched, a, b, centre, UNIT[1], still)
+    v3, w3 = answer(touched, a, b, centre, UNIT[2], still)
+    _, x1 = answer(touched, a, b, centre, still, UNIT[0])
+    _, x2 = answer(touched, a, b, centre, still, UNIT[1])
+    _, x3 = answer(touched, a, b, centre, still, UNIT[2])
+    shift, turn = own_mobility(bodies.body, key[m, at.BODY_A], key[m, at.BODY_B])
+    s, t = SHARE * shift, SHARE * turn
+    store6(manifold, m, at.NORMAL_BLOCK, (v3[2] + s, x1[0] + t, x2[1] + t, w3[0], w3[1], x1[1]))
+    store6(manifold, m, at.TANGENT_BLOCK, (v1[0] + s, v2[1] + s, x3[2] + t, v1[1], w1[2], w2[2]))
+    # Rows V1, V2, W3 by the forces along V3, W1 and W2; M is symmetric.
+    store9(manifold, m, at.COUPLING, (v1[2], w1[0], w1[1], v2[2], w2[0], w2[1], w3[2], x3[0], x3[1]))
+    write_masses(contacts, m)
+    for i in range(4 * m, 4 * m + key[m, at.POINTS]):
+        x, y = point[i, at.SPREAD], point[i, at.SPREAD + 1]
+        if point[i, at.NORMAL_MASS] * (s + t * (x * x + y * y)) > 0.5:
+            point[i, at.NORMAL_MASS] = 0.0
+
+
+@kernel
+def write_mobilities(bodies: Bodies, contacts: Contacts, touched: Touched) -> None:
+    """The blocks of M of all manifolds, by the responses at hand."""
+    for rank in range(len(contacts.order)):
+        write_mobility(bodies, contacts, touched, contacts.order[rank, 0])
+
 
 STIFFEST: Final = 0.249
 """Of a turn in a sub-step [1], from which on the spring of a contact is as stiff as `softness_of` lets it be, a quarter."""

@@ -1,6 +1,6 @@
 """Joints that close loops: rows J v + gap / h = 0 on the links that they hold together, all solved at once.
 
-    J G J^T lambda = -(J v + gap / h)       G as in `touched`: what the trees leave of the links' mobility
+    J G J^T lambda = -(J v + gap / h)       G as in `responses`: what the trees leave of the links' mobility
 
 The trees hold most of what these rows ask for themselves, in a plane mechanism all that leads out of the plane; rows that no
 motion of the trees can change, or that follow from others, are left out of the factor. The gap is that of the sub-step's start,
@@ -13,8 +13,8 @@ inverse inertia of the loops).
 import math
 from typing import Final
 
+from plumbline.engine.articulated.responses import NOWHERE, Touched, change_of, give
 from plumbline.engine.articulated.tables import Tables
-from plumbline.engine.articulated.touched import NOWHERE, Touched, change_of, give
 from plumbline.engine.compile.jit import kernel
 from plumbline.engine.constrain.joint_rows import equality_rows
 from plumbline.engine.constrain.reactions import add_reaction

@@ -15,9 +15,8 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from plumbline.engine.articulated import tables as tree
-from plumbline.engine.articulated.advance import add_reactions, change_rates
+from plumbline.engine.articulated.advance import add_reactions, carry_bases, change_rates, free_columns
 from plumbline.engine.articulated.articulated_body import accelerations
-from plumbline.engine.articulated.bases import carry_bases, free_columns
 from plumbline.engine.articulated.bounded import solve_laws
 from plumbline.engine.articulated.forces import load_links, weigh_links
 from plumbline.engine.articulated.laws import STIFF_ALONE

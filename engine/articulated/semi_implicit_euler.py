@@ -13,7 +13,7 @@ each of which makes the error smaller by about h times the angular velocities; t
 through the last three sub-steps' tells. No round is made for a change of a rate that is expected to be below the tolerance of a
 step, as a share of the largest rate. That leaves out as small a share of the way of one sub-step; momentum, which is handed on
 as answered, keeps to round-off, angular momentum of a floating tree to a hundredth of the tolerance in a sub-step of 5e-3 s.
-Laws that break are held to the rates that come of it (`engine.articulated.sides`).
+Laws that break are held to the rates that come of it (`engine.articulated.bounded`).
 
 Source: Ryckaert, Ciccotti, Berendsen, J. Comput. Phys. 23, 1977; Hairer, Lubich, Wanner, Geometric Numerical Integration,
 section VII.1.4; Leimkuhler, Patrick, A symplectic integrator for Riemannian manifolds, J. Nonlinear Sci. 6, 1996.
@@ -24,12 +24,11 @@ import math
 from plumbline.engine.articulated import tables as tree
 from plumbline.engine.articulated.advance import add_reactions, change_rates, drift_coordinates
 from plumbline.engine.articulated.articulated_body import answer_forces
-from plumbline.engine.articulated.bounded import settle_laws
+from plumbline.engine.articulated.bounded import MOST_TURNS, are_settled, settle_laws, start_again, start_laws
 from plumbline.engine.articulated.laws import ALL, write_laws
 from plumbline.engine.articulated.momenta import go_on_bending, keep_momenta
 from plumbline.engine.articulated.motion import move_links
 from plumbline.engine.articulated.secants import bend_links
-from plumbline.engine.articulated.sides import MOST_TURNS, are_settled, start_again, start_laws
 from plumbline.engine.articulated.tables import Tables
 from plumbline.engine.articulated.tendons import write_tendons
 from plumbline.engine.compile.jit import kernel

@@ -5,11 +5,9 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from plumbline.engine.build.closed_mesh import closed_volume
 from plumbline.engine.build.joint_order import ROWS
-from plumbline.engine.build.polyhedra import Polyhedron
-from plumbline.engine.build.principal_frame import principal_frame
-from plumbline.engine.build.solids import body_solids, quat_mat, quat_mul
+from plumbline.engine.build.polyhedra import Polyhedron, closed_volume
+from plumbline.engine.build.solids import body_solids, principal_frame, quat_mat, quat_mul
 from plumbline.engine.describe.bodies import Body, Surface
 from plumbline.engine.describe.check import finite, spd_inertia, unit_quaternion
 from plumbline.engine.describe.errors import NotSupported

@@ -13,7 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from plumbline.engine.build.closed_mesh import closed_volume
+from plumbline.engine.build.polyhedra import closed_volume
 from plumbline.engine.build.solids import mat_quat, quat_mat, quat_mul
 from plumbline.engine.describe.bodies import Body
 from plumbline.engine.describe.errors import NotSupported

@@ -13,6 +13,20 @@ from numpy.typing import NDArray
 from plumbline.engine.maths.arrays import cross, dot, norm, unit
 from plumbline.engine.maths.types import Floats, Ints
 
+
+def closed_volume(vertices: Floats, faces: NDArray[Any]) -> float:
+    """The volume [m3] within a mesh. Raises: ValueError where an edge lacks its neighbour, or faces look inwards."""
+    edges = np.concatenate([faces[:, [k, (k + 1) % 3]] for k in range(3)])
+    there, back = ({tuple(edge) for edge in way.tolist()} for way in (edges, edges[:, ::-1]))
+    if there != back:
+        raise ValueError(f"triangle mesh: edge {min(there ^ back)} has one face, expected a closed surface")
+    a, b, c = (vertices[faces[:, k]] - vertices.mean(axis=0) for k in range(3))
+    volume = float(np.sum(a * np.cross(b, c))) / 6
+    if volume <= 0:
+        raise ValueError(f"triangle mesh: volume {volume:g} m3, expected faces counter-clockwise seen from outside")
+    return volume
+
+
 FLAT = 1e-9
 """Share of the size within which facets lie in one plane [1]: quickhull's own facets of one face differ by rounding only."""
 

@@ -13,9 +13,27 @@ from plumbline.engine.build.polyhedra import Polyhedron, box_polyhedron, hull_po
 from plumbline.engine.describe.bodies import Body
 from plumbline.engine.describe.check import unit_quaternion
 from plumbline.engine.describe.shapes import Box, Capsule, ConvexHull, Cylinder, Ellipsoid, Plane, Shape, Sphere, TriangleMesh
-from plumbline.engine.maths.arrays import cross, dot, mat_mat, mat_vec, norm, unit
+from plumbline.engine.maths.arrays import cross, det, dot, eigen, mat_mat, mat_vec, norm, unit
 from plumbline.engine.maths.types import Floats
 from plumbline.engine.memory import arena as at
+
+
+def principal_frame(inertia: Floats) -> tuple[Floats, Floats]:
+    """The principal moments and axes of an inertia, I_B = R_BP diag(moments) R_BP^T.
+
+    Args: inertia (3, 3) kg m2, symmetric, in B.
+    Returns: moments (3,) kg m2 in ascending order, and q_BP (w, x, y, z).
+    Source: Goldstein, Poole, Safko, Classical Mechanics, 3rd ed., section 5.4.
+    """
+    if np.count_nonzero(inertia - np.diag(np.diag(inertia))) == 0:
+        # The axes of a diagonal inertia are those of B: only their order may change, and nothing is rounded.
+        order = np.argsort(np.diag(inertia), kind="stable")
+        moments, axes = np.diag(inertia)[order], np.eye(3)[:, order]
+    else:
+        moments, axes = eigen(inertia)
+    if det(axes) < 0:
+        axes = axes * (1.0, 1.0, -1.0)
+    return moments, mat_quat(axes)
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,19 +6,50 @@ sky: where everything sends back all light, a picture under a sky alone is as br
 
 Source: Whitted, An Improved Illumination Model for Shaded Display, 1980 (rays that branch); Pharr, Jakob, Humphreys, Physically
 Based Rendering, 2016, section 13.6 (directions by their cosine); Roberts, The Unreasonable Effectiveness of Quasirandom
-Sequences, 2018 (the shifts).
+Sequences, 2018 (the shifts); Born, Wolf, Principles of Optics, sections 1.5.1 (Snell), 1.5.2 (Fresnel) and 1.5.4 (total
+reflection); Glassner, An Introduction to Ray Tracing, 1989, section 2.5 (vectors).
 """
 
 import math
 from typing import NamedTuple
 
 from plumbline.engine.compile.jit import entry, kernel
-from plumbline.engine.images.fresnel import reflect, reflectance, refract
 from plumbline.engine.images.tables import Lighting
 from plumbline.engine.maths.elementary import cos_sin
 from plumbline.engine.maths.rows import Floats, Ints, Vec, load3, store3
 from plumbline.engine.maths.vec import axpy, cross, dot, neg, norm, perpendicular, scale
 from plumbline.engine.rays.hits import Hits
+
+
+@kernel
+def reflect(d: Vec, n: Vec) -> Vec:
+    """The mirror image of the unit direction d at a surface with unit normal n."""
+    out = axpy(-2.0 * dot(d, n), n, d)
+    return scale(1.0 / norm(out), out)
+
+
+@kernel
+def refract(d: Vec, n: Vec, ratio: float) -> tuple[bool, Vec]:
+    """Snell's law: sine of the new angle = ratio times sine of the old one, ratio = index before / index after.
+
+    Args: d unit; n unit, against d. Returns: whether light passes, and its direction; without, it is totally reflected.
+    """
+    cosine = -dot(d, n)
+    along = axpy(cosine, n, d)
+    square = 1.0 - ratio * ratio * dot(along, along)
+    if square < 0.0:
+        return False, d
+    out = axpy(-math.sqrt(square), n, scale(ratio, along))
+    return True, scale(1.0 / norm(out), out)
+
+
+@kernel
+def reflectance(cos_in: float, cos_out: float, before: float, after: float) -> float:
+    """The share of unpolarised light that a boundary between two indices reflects: the mean of both polarisations' squares."""
+    across = (before * cos_in - after * cos_out) / (before * cos_in + after * cos_out)
+    within = (after * cos_in - before * cos_out) / (after * cos_in + before * cos_out)
+    return 0.5 * (across * across + within * within)
+
 
 GIVEN, MIRRORED, REFLECTED, REFRACTED, SCATTERED = 0, 1, 2, 3, 4
 """How a ray came to be."""

@@ -25,6 +25,7 @@ import numpy as np
 
 from plumbline.engine.compile.jit import entry, kernel
 from plumbline.engine.integrate.free_body import (
+    advance_free,
     from_principal,
     is_pushed,
     kicked_spin,
@@ -34,7 +35,6 @@ from plumbline.engine.integrate.free_body import (
     turned_by,
     velocities_of,
 )
-from plumbline.engine.integrate.free_steps import advance_free
 from plumbline.engine.maths.elementary import cos_sin
 from plumbline.engine.maths.rows import Floats, Ints, Quat, Vec, load3, store3
 from plumbline.engine.maths.vec import axpy, scale

@@ -8,7 +8,8 @@ Source: Goldstein, Poole, Safko, Classical Mechanics, 3rd ed., section 5.5 (Eule
 """
 
 import math
-from typing import NamedTuple
+from collections.abc import Callable
+from typing import Any, NamedTuple
 
 from plumbline.engine.compile.jit import kernel
 from plumbline.engine.maths.elementary import cos_sin, exp, expm1
@@ -28,7 +29,10 @@ from plumbline.engine.maths.vec import (
     tmat_vec,
 )
 from plumbline.engine.memory import arena as at
-from plumbline.engine.memory.tables import Bodies
+from plumbline.engine.memory.carve import floats_of, ints_of
+from plumbline.engine.memory.status import DIVERGED, DONE, UNSOLVED
+from plumbline.engine.memory.tables import Bodies, bodies_of
+from plumbline.engine.steps.count_step import count_step
 
 
 class Law(NamedTuple):
@@ -132,3 +136,27 @@ def kicked_velocity(v: Vec, a: Vec, c: float, h: float) -> Vec:
 def kicked_spin(q: Quat, m: Vec, law: Law, h: float) -> Vec:
     """The exact solution of m' = R^T tau - d m after h seconds at a fixed orientation."""
     return axpy(damped_time(law.d, h), tmat_vec(quat_mat(q), law.tau), scale(exp(-law.d * h), m))
+
+
+@kernel
+def advance_free(floats: Floats, ints: Ints, steps: int, advance: Callable[..., bool], *room: Any) -> tuple[int, int]:
+    """Advance all bodies by `steps` steps, sub-step by sub-step.
+
+    Args: advance: (bodies, principal, setting, b, h [s], gyroscopic, *room) -> whether body b was advanced by h.
+    Returns: steps done, and DONE, or DIVERGED, or UNSOLVED if a body was not advanced.
+    """
+    bodies, principal = bodies_of(floats, ints), floats_of(floats, ints, at.PRINCIPAL)
+    setting = floats_of(floats, ints, at.SETTING)
+    count = ints_of(ints, at.COUNT)
+    h, gyroscopic = setting[0, at.DT] / count[0, at.SUBSTEPS], count[0, at.GYROSCOPIC]
+    for step in range(steps):
+        advanced = True
+        for _ in range(count[0, at.SUBSTEPS]):
+            for b in range(count[0, at.BODIES]):
+                if not advance(bodies, principal, setting, b, h, gyroscopic, *room):
+                    advanced = False
+        if count_step(bodies.state, count) == DIVERGED:
+            return step + 1, DIVERGED
+        if not advanced:
+            return step + 1, UNSOLVED
+    return steps, DONE

@@ -12,8 +12,7 @@ import math
 
 from plumbline.engine.compile.jit import entry, kernel
 from plumbline.engine.integrate.composition import ONE_STEP, compose
-from plumbline.engine.integrate.free_body import velocities_of
-from plumbline.engine.integrate.free_steps import advance_free
+from plumbline.engine.integrate.free_body import advance_free, velocities_of
 from plumbline.engine.maths.rows import Floats, Ints, Quat, Vec
 from plumbline.engine.maths.vec import axpy, cross, dot, norm, quat_mul, scale, sub
 from plumbline.engine.memory.tables import Bodies

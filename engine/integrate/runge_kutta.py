@@ -24,8 +24,7 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 
 from plumbline.engine.compile.jit import entry, kernel
-from plumbline.engine.integrate.free_body import Law, from_principal, is_pushed, law_of, spin_rates, to_principal
-from plumbline.engine.integrate.free_steps import advance_free
+from plumbline.engine.integrate.free_body import Law, advance_free, from_principal, is_pushed, law_of, spin_rates, to_principal
 from plumbline.engine.integrate.semi_implicit_euler import angular_momentum, turn_inertia
 from plumbline.engine.maths.elementary import fifth_root
 from plumbline.engine.maths.rows import Floats, Ints, Quat, Sym, Vec, load3, load4, load6, store3, store4

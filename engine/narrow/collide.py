@@ -6,10 +6,17 @@ from plumbline.engine.memory import arena as at
 from plumbline.engine.memory.tables import Shapes
 from plumbline.engine.narrow.box_box import box_box
 from plumbline.engine.narrow.box_pairs import box_plane, capsule_box, sphere_box
-from plumbline.engine.narrow.cylinder_pairs import cylinder_plane, sphere_cylinder
-from plumbline.engine.narrow.ellipsoid_plane import ellipsoid_plane
 from plumbline.engine.narrow.point import Points
-from plumbline.engine.narrow.round_pairs import capsule_capsule, capsule_plane, sphere_capsule, sphere_plane, sphere_sphere
+from plumbline.engine.narrow.round_pairs import (
+    capsule_capsule,
+    capsule_plane,
+    cylinder_plane,
+    ellipsoid_plane,
+    sphere_capsule,
+    sphere_cylinder,
+    sphere_plane,
+    sphere_sphere,
+)
 from plumbline.engine.narrow.solid import solid_of
 
 UNKNOWN = -1

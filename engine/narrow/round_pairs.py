@@ -1,13 +1,18 @@
-"""Contacts of spheres and capsules with each other and with planes.
+"""Contacts of round shapes in closed form: spheres, capsules, cylinders and ellipsoids with each other and with planes.
 
-Source: Ericson, Real-Time Collision Detection, sections 4.5 and 5.1.9 (closest points of two segments).
+Source: Ericson, Real-Time Collision Detection, sections 3.8 (support mappings), 4.5, 5.1 (closest points) and 5.1.9 (of two
+segments); Kodam et al., Chem. Eng. Sci. 65, 2010 (cylinder contact cases); Rockafellar, Convex Analysis, 1970, section 13 (the
+support function |D n| of an ellipsoid).
 """
+
+import math
 
 from plumbline.engine.compile.jit import kernel
 from plumbline.engine.maths.rows import Vec
-from plumbline.engine.maths.vec import along, axpy, cross, dot, norm, scale, sub
+from plumbline.engine.maths.vec import add, along, axpy, cross, dot, mat_vec, neg, norm, scale, sub, tmat_vec
 from plumbline.engine.narrow.point import Points, put_point
 from plumbline.engine.narrow.solid import Solid, axis_of, moved
+from plumbline.engine.narrow.support import ellipsoid_support
 
 UP = (0.0, 0.0, 1.0)
 
@@ -98,3 +103,72 @@ def capsule_capsule(a: Solid, b: Solid, margin: float, out: Points, row: int) ->
     t = min(max(c * s - db, -hb), hb)
     s = min(max(c * t + da, -ha), ha)
     return sphere_sphere(moved(a, axpy(s, ua, a.p)), moved(b, axpy(t, ub, b.p)), margin, out, row)
+
+
+UPRIGHT = 1e-3
+"""Sine of the tilt below which a cylinder stands on the same four points of its rim, whichever of them is lowest."""
+
+
+@kernel
+def sphere_cylinder(a: Solid, b: Solid, margin: float, out: Points, row: int) -> tuple[int, Vec]:
+    """Sphere A against cylinder B."""
+    ra, rb, half = a.size[0], b.size[0], b.size[1]
+    p = tmat_vec(b.m, sub(a.p, b.p))
+    axial = math.sqrt(p[0] * p[0] + p[1] * p[1])
+    shrink = min(1.0, rb / max(axial, 1e-300))
+    d = sub(p, (p[0] * shrink, p[1] * shrink, min(max(p[2], -half), half)))
+    length = norm(d)
+    if length > 1e-12:
+        outward, distance = scale(1.0 / length, d), length
+    elif rb - axial < half - abs(p[2]):
+        outward, distance = (p[0] / max(axial, 1e-300), p[1] / max(axial, 1e-300), 0.0), axial - rb
+    else:
+        outward, distance = (0.0, 0.0, math.copysign(1.0, p[2])), abs(p[2]) - half
+    n = neg(mat_vec(b.m, outward))
+    gap = distance - ra
+    if gap > margin:
+        return 0, n
+    put_point(out, row, axpy(ra + 0.5 * gap, n, a.p), gap, 0)
+    return 1, n
+
+
+@kernel
+def cylinder_plane(a: Solid, b: Solid, margin: float, out: Points, row: int) -> tuple[int, Vec]:
+    """Cylinder A against plane B: the lowest points of both rims, and three more of the lower one where it stands."""
+    axis, up, ra, half = axis_of(a), axis_of(b), a.size[0], a.size[1]
+    n = neg(up)
+    fall = sub(n, scale(dot(n, axis), axis))
+    sine = norm(fall)
+    lowest = scale(1.0 / sine, fall) if sine > UPRIGHT else (a.m[0], a.m[3], a.m[6])
+    beside = cross(axis, lowest)
+    side = 1.0 if dot(axis, n) >= 0.0 else -1.0
+    count = 0
+    for k in range(5):
+        end = -side if k == 1 else side
+        if k <= 1:
+            rim = lowest
+        elif k == 2:
+            rim = beside
+        elif k == 3:
+            rim = neg(beside)
+        else:
+            rim = neg(lowest)
+        place = add(axpy(end * half, axis, a.p), scale(ra, rim))
+        gap = dot(sub(place, b.p), up)
+        if gap <= margin and count < 4:
+            put_point(out, row + count, axpy(0.5 * gap, n, place), gap, 2 * k + (1 if end > 0.0 else 0))
+            count += 1
+    return count, n
+
+
+@kernel
+def ellipsoid_plane(a: Solid, b: Solid, margin: float, out: Points, row: int) -> tuple[int, Vec]:
+    """Ellipsoid A against plane B; the normal from A to B is the plane's reversed."""
+    up = axis_of(b)
+    n = neg(up)
+    lowest = add(a.p, mat_vec(a.m, ellipsoid_support(a.size, tmat_vec(a.m, n))))
+    gap = dot(sub(lowest, b.p), up)
+    if gap > margin:
+        return 0, n
+    put_point(out, row, axpy(0.5 * gap, n, lowest), gap, 0)
+    return 1, n

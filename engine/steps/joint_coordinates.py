@@ -1,8 +1,7 @@
 """Steps of worlds without contact whose joints make trees, in joint coordinates, one entry for each integrator."""
 
 from plumbline.engine.articulated import runge_kutta as trees
-from plumbline.engine.articulated.advance import is_finite_forest, write_state
-from plumbline.engine.articulated.bases import carry_bases, take_jumps
+from plumbline.engine.articulated.advance import carry_bases, is_finite_forest, take_jumps, write_state
 from plumbline.engine.articulated.column_momenta import begin_column_momenta, rates_of_momenta
 from plumbline.engine.articulated.implicit_midpoint import implicit_midpoint as implicit_midpoint_tree
 from plumbline.engine.articulated.momenta import begin_momenta, damp_over, write_kept_velocities

@@ -2,14 +2,13 @@
 
 from collections.abc import Callable
 
-from plumbline.engine.articulated.advance import is_finite_forest, write_state
-from plumbline.engine.articulated.bases import take_jumps
+from plumbline.engine.articulated.advance import is_finite_forest, take_jumps, write_state
 from plumbline.engine.articulated.contact_euler import Mechanisms, forget_responses, touching_substep
 from plumbline.engine.articulated.contact_sweeps import under_machines
 from plumbline.engine.articulated.loops import touch_loops
 from plumbline.engine.articulated.momenta import begin_momenta, damp_over, write_kept_velocities
+from plumbline.engine.articulated.responses import find_touched
 from plumbline.engine.articulated.tables import tables_of
-from plumbline.engine.articulated.touched import find_touched
 from plumbline.engine.compile.jit import entry, kernel, template
 from plumbline.engine.constrain.open_joints import open_joint
 from plumbline.engine.constrain.reactions import clear_reactions

@@ -7,10 +7,12 @@ With the gap s, its normal n and the largest speed mu at which points of A and B
 nothing can touch within s / mu, since the separation along n bounds the distance from below; so time advances by that until the
 shapes touch, or mu <= 0 shows that they never will. The last micrometre goes by Newton's method, whose slope is the velocity of
 the closest points. A pair in touch is stopped where it would sink in by a share of its thickness: contacts hold it, so that it
-gets there only where they cannot, as when a rod that lies on an edge swings through it.
+gets there only where they cannot, as when a rod that lies on an edge swings through it. Distances are signed, by the same GJK
+and EPA as the contacts.
 
 Source: Mirtich, Impulse-based Dynamic Simulation of Rigid Body Systems, 1996, section 2.3 (the bound); Catto, Continuous
-Collision, GDC 2013 (a root of the separating function; sinking targets of touching shapes).
+Collision, GDC 2013 (a root of the separating function; sinking targets of touching shapes); van den Bergen, Collision
+Detection in Interactive 3D Environments, 2003, sections 4.3.4 and 4.3.8 (distances).
 """
 
 import math
@@ -18,13 +20,37 @@ import math
 from plumbline.engine.compile.jit import kernel
 from plumbline.engine.contact.look_ahead import thinnest
 from plumbline.engine.maths.rows import Floats, Vec, load3
-from plumbline.engine.maths.vec import add, cross, dot, neg, norm, sub
+from plumbline.engine.maths.vec import add, axpy, cross, dot, neg, norm, sub
 from plumbline.engine.memory import arena as at
+from plumbline.engine.narrow.convex import part_cores
 from plumbline.engine.narrow.gjk import Simplex
-from plumbline.engine.narrow.support import Solids, core_radius
+from plumbline.engine.narrow.support import Solids, core_radius, core_support
 from plumbline.engine.narrow.triangle import leans_over
 from plumbline.engine.swept.path import body_at, shape_at, velocity_of
-from plumbline.engine.swept.separation import separation
+
+
+@kernel
+def above_plane(t: Solids, plane: int, s: int) -> tuple[float, Vec, Vec]:
+    """The gap [m] of shape s over a plane, the plane's normal, and the lowest point of s, in W."""
+    up = (t.pose[plane, 5], t.pose[plane, 8], t.pose[plane, 11])
+    lowest = axpy(-core_radius(t, s), up, add(load3(t.pose, s, 0), core_support(t, s, neg(up))))
+    return dot(up, sub(lowest, load3(t.pose, plane, 0))), up, lowest
+
+
+@kernel
+def separation(t: Solids, a: int, b: int, simplex: Simplex) -> tuple[float, Vec, Vec, Vec]:
+    """The gap [m] of shapes a and b, negative in penetration, the normal from A to B, and their closest points in W."""
+    if t.shape_kind[a, at.TYPE] == at.PLANE:
+        gap, up, spot = above_plane(t, a, b)
+        return gap, up, axpy(-gap, up, spot), spot
+    if t.shape_kind[b, at.TYPE] == at.PLANE:
+        gap, up, spot = above_plane(t, b, a)
+        return gap, neg(up), spot, axpy(-gap, up, spot)
+    pa, ra, rb = load3(t.pose, a, 0), core_radius(t, a), core_radius(t, b)
+    size = t.shape[a, at.BALL_RADIUS] + t.shape[b, at.BALL_RADIUS]
+    gap, n, qa, qb = part_cores(t, a, b, sub(load3(t.pose, b, 0), pa), size, math.inf, simplex)
+    return gap - ra - rb, n, add(pa, axpy(ra, n, qa)), add(pa, axpy(-rb, n, qb))
+
 
 SINKS = 0.25
 """Share of half the thickness of the thinner shape [1] that a pair in touch may sink in within a step."""

@@ -5,10 +5,8 @@ import pytest
 from numpy.typing import NDArray
 
 from plumbline.engine.compile.jit import entry
-from plumbline.engine.respond.exact.certificate import relative_residual
-from plumbline.engine.respond.exact.elimination import eliminate
-from plumbline.engine.respond.exact.finish import finish_from
-from plumbline.engine.respond.exact.law import Problem
+from plumbline.engine.respond.exact.finish import eliminate, finish_from
+from plumbline.engine.respond.exact.law import Problem, relative_residual
 from plumbline.engine.respond.exact.scaled import scale_problem
 from plumbline.engine.respond.exact.solver import NEAR, PLAIN, solve
 

@@ -5,9 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from plumbline.engine.respond.exact.certificate import relative_residual
 from plumbline.engine.respond.exact.cone import compose, frame_of, root, spectral
-from plumbline.engine.respond.exact.law import Problem
+from plumbline.engine.respond.exact.law import Problem, relative_residual
 from plumbline.engine.respond.exact.scaled import scale_problem
 from plumbline.engine.respond.exact.solver import solve
 from plumbline.engine.respond.exact.trace import Local, look

@@ -8,7 +8,7 @@ import pytest
 
 from plumbline import engine
 from plumbline.adapters.reference import ADAPTER
-from plumbline.engine.build.principal_frame import principal_frame
+from plumbline.engine.build.solids import principal_frame
 from plumbline.engine.integrate.composition import KAHAN_LI_8, SUZUKI_4
 from plumbline.engine.options import FREE_INTEGRATORS, INTEGRATORS
 from plumbline.harness.adapter import Settings, SettingsError, Unsupported

@@ -5,9 +5,10 @@ With mu = 1 in scaled variables and tau = x - (W x + q), the law of Alart and Cu
     x_N = max(tau_N, 0),  x_T = the point of the disc of radius max(tau_N, 0) nearest to tau_T,
 
 piecewise smooth. From far away these steps fail; near by, with the right set of open, sticking and slipping contacts, they
-converge quadratically.
+converge quadratically. Each is solved over what is not zero: contacts that share no body share no entries.
 
-Source: Alart, Curnier, Comput. Methods Appl. Mech. Eng. 92, 1991.
+Source: Alart, Curnier, Comput. Methods Appl. Mech. Eng. 92, 1991; Golub, Van Loan, Matrix Computations, section 3.4 (algorithm
+3.4.1: elimination with partial pivoting).
 """
 
 import math
@@ -16,10 +17,62 @@ import numpy as np
 
 from plumbline.engine.compile.jit import entry, kernel
 from plumbline.engine.maths.elementary import hypot
-from plumbline.engine.maths.rows import Floats
-from plumbline.engine.respond.exact.certificate import after, breach
-from plumbline.engine.respond.exact.elimination import eliminate
+from plumbline.engine.maths.rows import Floats, Ints
+from plumbline.engine.respond.exact.law import after, breach
 from plumbline.engine.respond.exact.scaled import write_scale
+
+
+@kernel
+def find_ends(a: Floats, right: Ints, below: Ints) -> None:
+    """Write behind which column each row of a (n, n) is zero, and below which row each column."""
+    for i in range(len(a)):
+        right[i] = 0
+        for j in range(len(a)):
+            if a[i, j] != 0.0:
+                right[i], below[j] = j + 1, i + 1
+
+
+@kernel
+def exchange(a: Floats, x: Floats, right: Ints, k: int, pivot: int) -> None:
+    """Exchange two rows of what is left from column k on."""
+    for j in range(k, max(right[k], right[pivot])):
+        a[k, j], a[pivot, j] = a[pivot, j], a[k, j]
+    x[k], x[pivot], right[k], right[pivot] = x[pivot], x[k], right[pivot], right[k]
+
+
+@kernel
+def eliminate(a: Floats, x: Floats) -> bool:
+    """Replace x (n,) by the solution of a x' = x; a (n, n) is used up. Returns: whether it is there, in numbers."""
+    n = len(x)
+    right, below = np.zeros(n, np.int64), np.zeros(n, np.int64)
+    find_ends(a, right, below)
+    for k in range(n):
+        pivot = k
+        for i in range(k + 1, below[k]):
+            if abs(a[i, k]) > abs(a[pivot, k]):
+                pivot = i
+        if not abs(a[pivot, k]) > 0.0:
+            return False
+        widest = max(right[k], right[pivot])
+        if pivot != k:
+            exchange(a, x, right, k, pivot)
+        for i in range(k + 1, below[k]):
+            if a[i, k] != 0.0:
+                share = a[i, k] / a[k, k]
+                for j in range(k + 1, right[k]):
+                    a[i, j] -= share * a[k, j]
+                x[i] -= share * x[k]
+                right[i] = max(right[i], right[k])
+        for j in range(k + 1, widest):
+            below[j] = max(below[j], below[k])
+    for k in range(n - 1, -1, -1):
+        for j in range(k + 1, right[k]):
+            x[k] -= a[k, j] * x[j]
+        x[k] /= a[k, k]
+        if not math.isfinite(x[k]):
+            return False
+    return True
+
 
 SHORTER = (1.0, 0.5, 0.2, 0.05, 0.01)
 """How much shorter a step may be made."""

@@ -19,9 +19,8 @@ from numpy.typing import NDArray
 
 from plumbline.engine.maths.types import Floats
 from plumbline.engine.respond.exact.blocks import FINE, Blocks
+from plumbline.engine.respond.exact.convex import central_point, minimise
 from plumbline.engine.respond.exact.effort import Effort
-from plumbline.engine.respond.exact.interior import central_point
-from plumbline.engine.respond.exact.newton import minimise
 from plumbline.engine.respond.exact.scaled import Scaled
 
 DEPTH = 10

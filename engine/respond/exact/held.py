@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from plumbline.engine.maths.types import Floats, Ints
 from plumbline.engine.memory import arena as at
-from plumbline.engine.respond.exact.joint_kernels import write_joint_rows
+from plumbline.engine.respond.exact.kernels import write_joint_rows
 from plumbline.engine.respond.exact.law import Problem
 from plumbline.engine.respond.exact.problem import (
     TOUCHING,

@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 from plumbline.engine.compile.jit import entry, kernel
 from plumbline.engine.maths.types import Floats
 from plumbline.engine.respond.exact.blocks import FineArray, positive_part
-from plumbline.engine.respond.exact.certificate import relative_residual
-from plumbline.engine.respond.exact.law import Problem
+from plumbline.engine.respond.exact.law import Problem, relative_residual
 
 
 @kernel

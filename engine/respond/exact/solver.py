@@ -24,11 +24,10 @@ from typing import TypeAlias
 import numpy as np
 
 from plumbline.engine.maths.types import Floats, Ints
-from plumbline.engine.respond.exact.certificate import relative_residual
 from plumbline.engine.respond.exact.effort import UNBOUNDED, Effort
 from plumbline.engine.respond.exact.finish import finish_from
 from plumbline.engine.respond.exact.fixed_point import rounds, sliding
-from plumbline.engine.respond.exact.law import Problem
+from plumbline.engine.respond.exact.law import Problem, relative_residual
 from plumbline.engine.respond.exact.scaled import Scaled, scale_problem
 from plumbline.engine.respond.exact.settle import OPEN, modes_between, modes_of, settling_step
 from plumbline.engine.respond.exact.trace import trace_path

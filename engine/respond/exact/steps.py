@@ -25,8 +25,7 @@ from plumbline.engine.memory.status import DIVERGED, DONE
 from plumbline.engine.options import Options
 from plumbline.engine.respond.exact.assembly import give_impulses
 from plumbline.engine.respond.exact.held import assemble_held, give, held_bodies, hold
-from plumbline.engine.respond.exact.joint_kernels import look_at_joints
-from plumbline.engine.respond.exact.kernels import begin_step, drift_touched, kick_touched
+from plumbline.engine.respond.exact.kernels import begin_step, drift_touched, kick_touched, look_at_joints
 from plumbline.engine.respond.exact.law import Problem
 from plumbline.engine.respond.exact.passive import without_gain
 from plumbline.engine.respond.exact.problem import (

@@ -130,6 +130,8 @@ def test_a_tendon_on_one_joint_is_that_joints_own_law(laws: dict[str, Any], grou
         world.step(60)
     for joint in ("shoulder", "elbow"):
         assert pulled.joint_motion(joint) == pytest.approx(own.joint_motion(joint), abs=1e-8)
+    touched = bool(len(pulled.contacts().gap))
+    assert touched == (ground is not None)
 
 
 def test_a_tendon_over_joints_of_which_one_follows_the_other_is_one_on_the_leader() -> None:

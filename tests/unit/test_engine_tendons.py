@@ -9,6 +9,7 @@ import pytest
 
 from plumbline import engine
 from plumbline.engine import Body, Drive, Limits, NotSupported, Options, Prismatic, Revolute, Spring, Tendon, World
+from plumbline.engine.maths.types import Floats
 
 MASSES = np.diag([2.0, 3.0, 0.3])
 ARMS = np.array([1.0, -2.0, 0.5])
@@ -28,11 +29,11 @@ def three(start: tuple[float, float, float], gravity: float = 0.0, first: Limits
     )
     wheel = Revolute(name="wheel", parent="world", child="wheel", anchor_W=(0, 6, 0), axis_W=(0, 1, 0), position=start[2])
     tendon = Tendon(name="tendon", arms=dict(zip(NAMES, ARMS, strict=True)), **laws)
-    joints = [replace(slide, limits=first), other, wheel]
+    joints: list[engine.Joint] = [replace(slide, limits=first), other, wheel]
     return World(bodies, joints, gravity=(gravity, 0.0, 0.0), options=EULER, tendons=[tendon])
 
 
-def coordinates(world: World) -> np.ndarray:
+def coordinates(world: World) -> Floats:
     return np.array([world.joint_motion(name)[0] for name in NAMES])
 
 

@@ -62,9 +62,8 @@ def _hold_together(kinds: Ints, one: int, other: int) -> None:
 
 def _write_tendons(floats: Floats, ints: Ints, forest: Forest) -> None:
     """Fill laws and arms of tendons, and which trees they hold together."""
-    kinds, arm, law, tendons = (
-        tree.int_view(ints, tree.KIND), *(tree.float_view(floats, ints, table) for table in (tree.ARM, tree.LAW, tree.TENDON))
-    )  # fmt: skip
+    kinds, tendons = tree.int_view(ints, tree.KIND), tree.float_view(floats, ints, tree.TENDON)
+    law, arm = tree.float_view(floats, ints, tree.LAW), tree.float_view(floats, ints, tree.ARM)
     columns = len(law) - len(tendons)
     for n, (tendon, arms) in enumerate(forest.tendons):
         law[columns + n, tree.WHICH] = write_laws(tendons[n], tendon.limits, tendon.spring, tendon.drive)

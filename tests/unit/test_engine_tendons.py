@@ -9,6 +9,7 @@ import pytest
 
 from plumbline import engine
 from plumbline.engine import Body, Drive, Limits, NotSupported, Options, Prismatic, Revolute, Spring, Tendon, World
+from plumbline.engine.maths.types import Floats
 
 MASSES = np.diag([2.0, 3.0, 0.3])
 ARMS = np.array([1.0, -2.0, 0.5])
@@ -28,11 +29,11 @@ def three(start: tuple[float, float, float], gravity: float = 0.0, first: Limits
     )
     wheel = Revolute(name="wheel", parent="world", child="wheel", anchor_W=(0, 6, 0), axis_W=(0, 1, 0), position=start[2])
     tendon = Tendon(name="tendon", arms=dict(zip(NAMES, ARMS, strict=True)), **laws)
-    joints = [replace(slide, limits=first), other, wheel]
+    joints: list[engine.Joint] = [replace(slide, limits=first), other, wheel]
     return World(bodies, joints, gravity=(gravity, 0.0, 0.0), options=EULER, tendons=[tendon])
 
 
-def coordinates(world: World) -> np.ndarray:
+def coordinates(world: World) -> Floats:
     return np.array([world.joint_motion(name)[0] for name in NAMES])
 
 
@@ -130,6 +131,8 @@ def test_a_tendon_on_one_joint_is_that_joints_own_law(laws: dict[str, Any], grou
         world.step(60)
     for joint in ("shoulder", "elbow"):
         assert pulled.joint_motion(joint) == pytest.approx(own.joint_motion(joint), abs=1e-8)
+    touched = bool(len(pulled.contacts().gap))
+    assert touched == (ground is not None)
 
 
 def test_a_tendon_over_joints_of_which_one_follows_the_other_is_one_on_the_leader() -> None:

@@ -1,6 +1,6 @@
 """What pybullet's own loaders make of a robot file: `loadURDF` or `loadMJCF`, read back by its queries at zero positions."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -49,8 +49,14 @@ def load(path: Path, request: Request) -> Loaded:
         places = [order.index(name) for name in q]
         return M[np.ix_(places, places)] if M.shape == (len(order), len(order)) else None
 
+    own = _own(port, body, count)
+    if path.suffix.lower() == ".urdf":
+        scalar = [
+            k for k in movable if port.call("getJointInfo", body, k)[2] in (bullet.JOINT_REVOLUTE, bullet.JOINT_PRISMATIC)
+        ]
+        own += (*_motors(port, body, scalar), *_body_damping(port, body, scalar))
     notes = (f"{others} more bodies that move were made of the file, and are not compared",) if others else ()
-    return Loaded(robot=robot, matrix_gap=matrix_gap(robot, matrix), notes=notes, own=_own(port, body, count))
+    return Loaded(robot=robot, matrix_gap=matrix_gap(robot, matrix), notes=notes, own=own)
 
 
 _OWN = (
@@ -68,6 +74,47 @@ def _own(port: Port, body: int, count: int) -> tuple[Own, ...]:
     touching = [k for k in range(-1, count) if port.call("getCollisionShapeData", body, k)]
     rows = [port.call("getDynamicsInfo", body, k) for k in touching]
     return tuple(own for index, quantity, unit in _OWN for own in own_values(quantity, (each[index] for each in rows), unit))
+
+
+_SWIFT, _SLOW = 90.0, 1e-3
+"""Rates [rad/s, m/s]: that a motor on a joint cannot stop in a step, below the 100 at which pybullet cuts; and such that what
+goes with their squares does not count."""
+
+
+def _motors(port: Port, body: int, scalar: list[int]) -> Iterator[Own]:
+    """The motor that pybullet puts on each hinge and slide, which asks for no velocity: what it bears in a step, measured."""
+    kinds = {port.bullet.JOINT_REVOLUTE: "N m s", port.bullet.JOINT_PRISMATIC: "N s"}
+    impulses: dict[str, list[float]] = {unit: [] for unit in kinds.values()}
+    for k in scalar:
+        rate, torque, step = _stepped(port, body, k, _SWIFT, scalar)
+        if abs(rate) > _SLOW:  # else it was stopped by less than the motor bears
+            impulses[kinds[port.call("getJointInfo", body, k)[2]]].append(float(f"{abs(torque) * step:.4g}"))
+    for unit, values in impulses.items():
+        yield from own_values("motor that holds joints still, in a step by up to", values, unit)
+
+
+def _body_damping(port: Port, body: int, scalar: list[int]) -> tuple[Own, ...]:
+    """The damping of bodies that move, as measured on hinges and slides without their motors and dampers."""
+    for k in scalar:
+        port.call("changeDynamics", body, k, jointDamping=0.0)
+        port.call("setJointMotorControl2", body, k, port.bullet.VELOCITY_CONTROL, force=0.0)
+    shares = []
+    for k in scalar:
+        joint = port.call("getJointInfo", body, k)
+        if joint[8] > joint[9] or joint[8] < 0.0 < joint[9]:  # no bound acts at 0
+            rate, _, step = _stepped(port, body, k, _SLOW, scalar)
+            shares.append(float(f"{(1 - rate / _SLOW) / step:.2g}"))
+    return own_values("damping of moving bodies", shares, "1/s")
+
+
+def _stepped(port: Port, body: int, k: int, rate: float, scalar: list[int]) -> tuple[float, float, float]:
+    """The rate of a joint and its motor's torque [N m or N] a step [s] after it alone had this rate, all at zero positions."""
+    for joint in scalar:
+        port.call("resetJointState", body, joint, 0.0, rate if joint == k else 0.0)
+    port.call("setGravity", 0.0, 0.0, 0.0)
+    port.call("stepSimulation")
+    state = port.call("getJointState", body, k)
+    return state[1], state[3], port.call("getPhysicsEngineParameters")["fixedTimeStep"]
 
 
 def _loaded(port: Port, path: Path, request: Request) -> tuple[int, int]:

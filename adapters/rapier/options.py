@@ -59,6 +59,9 @@ def resolved_settings(settings: Settings, effects: Effect) -> Settings:
     parameters = checked_options("Rapier", settings, KNOWN, INTEGRATOR, (SOLVER,))
     options = {name: _VENDOR.get(name) if value is None else value for name, value in parameters.items()}
     busy = options["by_scene"] and (Effect.CONTACT | Effect.JOINTS) & effects
+    if options["by_scene"] and parameters["friction_in_bias"] is None:
+        # Where drives stand or grasp; towers and what rests tremble by it, as the vendor says.
+        options["friction_in_bias"] = (Effect.CONTACT | Effect.DRIVES) in effects
     return replace(
         settings,
         substeps=settings.substeps or (BUSY if busy else SUBSTEPS),

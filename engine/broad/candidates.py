@@ -12,8 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from plumbline.engine.broad.bounds import BLOCK, overlap, place_shapes, reaches_plane
-from plumbline.engine.broad.collision_filter import collision_filter_of, kept_apart
+from plumbline.engine.broad.bounds import BLOCK, collision_filter_of, kept_apart, overlap, place_shapes, reaches_plane
 from plumbline.engine.compile.jit import inlined, kernel, template
 from plumbline.engine.maths.rows import Floats, Ints
 from plumbline.engine.memory import arena as at
@@ -158,7 +157,7 @@ def write_pairs(floats: Floats, ints: Ints) -> int:
     """Write the pairs of this step. Returns: DONE, or FULL where the arena has no room for them."""
     pair = ints_of(ints, at.PAIR)
     found = compare_candidates(floats, ints, 0, ints_of(ints, at.PROGRESS)[0, at.CANDIDATES], pair, ints_of(ints, at.CANDIDATE))
-    ints_of(ints, at.COUNT)[0, at.PAIRS], ints_of(ints, at.TALLY)[0, at.SEARCHED] = found, 1
+    ints_of(ints, at.COUNT)[0, at.PAIRS], ints_of(ints, at.TALLY)[0, at.SEARCHED] = found, int(found <= len(pair))
     return FULL if found > pair.shape[0] else DONE
 
 

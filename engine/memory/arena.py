@@ -65,7 +65,7 @@ BODY_KIND: Final = int_columns(Per.BODY, 4)
 MOTION: Final = 0  # 0 static, 1 kinematic, 2 dynamic
 TOUCHED: Final = 1  # 1 where contacts or joints act in this step
 STILL: Final = 2  # 1 where the body has hardly moved since its contacts were made
-RING: Final = 3  # of a dynamic body: how many contacts it is away from the next blow, as far as is asked
+RING: Final = 3  # how many contacts the body is away from the next blow, as far as is asked; of one that stands, farther
 STATIC, KINEMATIC, DYNAMIC = range(3)
 
 BODY_ORDER: Final = int_columns(Per.BODY, 1)  # the touched bodies, ascending, or island by island

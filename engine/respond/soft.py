@@ -33,9 +33,8 @@ from plumbline.engine.maths.rows import Vec, load3, load6, load9
 from plumbline.engine.maths.vec import add, axpy, mat_vec, sym_vec, tmat_vec
 from plumbline.engine.memory import arena as at
 from plumbline.engine.memory.tables import Bodies, Contacts
-from plumbline.engine.respond.centre import Centre, frame_of, give_impulse, relative_motion
+from plumbline.engine.respond.centre import Centre, frame_of, give_impulse, motion_of, pair_of, relative_motion
 from plumbline.engine.respond.friction import friction_point, roll, static_friction
-from plumbline.engine.respond.pair import motion_of, pair_of
 from plumbline.engine.respond.softness import PRESS, REBOUND, Softness
 
 

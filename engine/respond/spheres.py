@@ -15,12 +15,14 @@ import math
 from typing import NamedTuple
 
 from plumbline.engine.compile.jit import inlined, kernel
+from plumbline.engine.maths.elementary import exp
 from plumbline.engine.maths.floats import fma
-from plumbline.engine.maths.rows import Floats, Ints, Vec, load3, store3
-from plumbline.engine.maths.vec import add, axpy, cross, dot, neg, norm, scale, sub
+from plumbline.engine.maths.rows import Floats, Ints, Vec, load3, load4, store3, store4
+from plumbline.engine.maths.vec import axpy, cross, dot, norm, quat_spin, quat_unit, scale, sub
 from plumbline.engine.memory import arena as at
 from plumbline.engine.memory.carve import floats_of, ints_of
-from plumbline.engine.respond.pair import Motion
+from plumbline.engine.memory.tables import Bodies
+from plumbline.engine.respond.centre import Motion
 from plumbline.engine.respond.softness import REBOUND, STUCK, TOUCHING, Softness
 
 
@@ -154,23 +156,19 @@ def turn_normals(touches: Touches, end: int, state: Floats, first: int = 0) -> N
 
 
 @inlined
-def rub(n: Vec, held: Vec, mass: float, slip: Vec, most: float) -> tuple[Vec, Vec]:
-    """The impulse of friction that stops the slip, or else is as large as it may be; and n x it.
-
-    The next contact waits for both: what can be had before the root is.
-    """
+def rub(held: Vec, mass: float, slip: Vec, most: float) -> Vec:
+    """The impulse of friction that stops the slip, or else is as large as it may be."""
     after = axpy(-mass, slip, held)
-    turn, square = cross(n, after), dot(after, after)
+    square = dot(after, after)
     if square > most * most:
-        share = most / square * math.sqrt(square)
-        after, turn = scale(share, after), scale(share, turn)
-    return after, turn
+        after = scale(most / square * math.sqrt(square), after)
+    return after
 
 
 @inlined
-def answer(levers: Levers, n: Vec, normal: float, held: Vec, rubbed: tuple[Vec, Vec], motion: Motion) -> Motion:
-    """The motion after an impulse on B along the normal [N s], with friction `rubbed` in place of `held`, as of `rub`."""
-    impulse, turn = add(axpy(normal, n, neg(held)), rubbed[0]), sub(rubbed[1], cross(n, held))
+def answer(levers: Levers, n: Vec, normal: float, change: Vec, motion: Motion) -> Motion:
+    """The motion after an impulse on B along the normal and another at right angles to it [N s]."""
+    impulse, turn = axpy(normal, n, change), cross(n, change)
     return Motion(
         axpy(-levers.mass_a, impulse, motion.va),
         axpy(-levers.inertia_a * levers.arm_a, turn, motion.wa),
@@ -220,12 +218,12 @@ def press_spheres(touches: Touches, end: int, soft: Softness, first: int = 0) ->
         if s <= 0.0:
             bias, hard, keep = max(soft.bias_rate * s, -soft.max_push), soft.mass_scale, soft.impulse_scale
         impulse = max(fma(-touch[t, at.T_NORMAL_MASS] * hard, along + bias, fma(-keep, before, before)), 0.0)
-        rubbed = rub(n, held, touch[t, at.T_TANGENT_MASS], slip, touch[t, at.T_FRICTION] * before)
+        after = rub(held, touch[t, at.T_TANGENT_MASS], slip, touch[t, at.T_FRICTION] * before)
         touch[t, at.T_NORMAL] = impulse
-        store3(touch, t, at.T_TANGENT, rubbed[0])
+        store3(touch, t, at.T_TANGENT, after)
         if touches.elastic == 1:
             rest[t, at.R_SPIKE] = max(rest[t, at.R_SPIKE], impulse)
-        store_moving(mover, a, b, key[t, at.K_MOVES], answer(levers, n, impulse - before, held, rubbed, motion))
+        store_moving(mover, a, b, key[t, at.K_MOVES], answer(levers, n, impulse - before, sub(after, held), motion))
 
 
 @kernel
@@ -248,13 +246,13 @@ def relax_spheres(touches: Touches, end: int, aim: int, first: int = 0) -> bool:
             along += rest[t, at.R_RESTITUTION] * min(dot(n, load3(rest, t, at.R_APPROACH)), 0.0)
         impulse = max(fma(-touch[t, at.T_NORMAL_MASS], along, before), 0.0)
         most = touch[t, at.T_FRICTION] * impulse
-        rubbed = rub(n, held, touch[t, at.T_TANGENT_MASS], slip, most)
-        slipping = slipping or (impulse > 0.0 and (key[t, at.K_SLIPS] == 1 or uses_up(rubbed[0], most)))
+        after = rub(held, touch[t, at.T_TANGENT_MASS], slip, most)
+        slipping = slipping or (impulse > 0.0 and (key[t, at.K_SLIPS] == 1 or uses_up(after, most)))
         touch[t, at.T_NORMAL] = impulse
-        store3(touch, t, at.T_TANGENT, rubbed[0])
+        store3(touch, t, at.T_TANGENT, after)
         if touches.elastic == 1:
             rest[t, at.R_SPIKE] = max(rest[t, at.R_SPIKE], impulse)
-        store_moving(mover, a, b, key[t, at.K_MOVES], answer(levers, n, impulse - before, held, rubbed, motion))
+        store_moving(mover, a, b, key[t, at.K_MOVES], answer(levers, n, impulse - before, sub(after, held), motion))
     return slipping
 
 
@@ -293,3 +291,41 @@ def drop_blows(touches: Touches, count: int) -> None:
             touch[t, at.T_NORMAL] = 0.0
             store3(touch, t, at.T_TANGENT, (0.0, 0.0, 0.0))
         rest[t, at.R_SPIKE] = 0.0
+
+
+@kernel
+def kick_spheres(bodies: Bodies, mover: Floats, setting: Floats, count: Ints, h: float) -> None:
+    """Gravity, applied loads and damping for h seconds on all bodies in contact."""
+    body, load, kind = bodies.body, bodies.load, bodies.kind
+    g = load3(setting, 0, at.GRAVITY)
+    for b in range(count[0, at.BODIES]):
+        if kind[b, at.TOUCHED] == 1 and kind[b, at.MOTION] == at.DYNAMIC:
+            v = axpy(h, axpy(mover[b, at.M_INV_MASS], load3(load, b, 0), g), load3(mover, b, 0))
+            w = axpy(h * mover[b, at.M_INV_INERTIA], load3(load, b, 3), load3(mover, b, 3))
+            if body[b, at.LINEAR_DAMPING] > 0.0:
+                v = scale(exp(-h * body[b, at.LINEAR_DAMPING]), v)
+            if body[b, at.ANGULAR_DAMPING] > 0.0:
+                w = scale(exp(-h * body[b, at.ANGULAR_DAMPING]), w)
+            store3(mover, b, 0, v)
+            store3(mover, b, 3, w)
+
+
+@kernel
+def drift_spheres(bodies: Bodies, mover: Floats, count: Ints, h: float) -> None:
+    """Move all bodies in contact for h seconds; `end_spheres` makes the quaternions unit."""
+    state, kind = bodies.state, bodies.kind
+    for b in range(count[0, at.BODIES]):
+        if kind[b, at.TOUCHED] == 1 and kind[b, at.MOTION] == at.DYNAMIC:
+            store3(state, b, at.P, axpy(h, load3(mover, b, 0), load3(state, b, at.P)))
+            store4(state, b, at.Q, quat_spin(load4(state, b, at.Q), load3(mover, b, 3), h))
+
+
+@kernel
+def end_spheres(bodies: Bodies, mover: Floats, count: Ints) -> None:
+    """Put the velocities of all bodies in contact back into the state."""
+    state, kind = bodies.state, bodies.kind
+    for b in range(count[0, at.BODIES]):
+        if kind[b, at.TOUCHED] == 1 and kind[b, at.MOTION] == at.DYNAMIC:
+            store4(state, b, at.Q, quat_unit(load4(state, b, at.Q)))
+            store3(state, b, at.V, load3(mover, b, 0))
+            store3(state, b, at.W, load3(mover, b, 3))

@@ -17,8 +17,8 @@ from plumbline.harness.intake.safe_text import quoted
 
 if TYPE_CHECKING:
     from plumbline.harness.scene import Scene
-    from plumbline.harness.scene.importers.commands import Log
     from plumbline.harness.scene.importers.imported import Imported
+    from plumbline.harness.scene.importers.replay import Log
 
 
 Command = TypeVar("Command", bound=Callable[..., Any])
@@ -152,7 +152,7 @@ def scene_to_run(name: str, folder: Path, options: dict[str, Any]) -> str:
     if not is_robot(path) and not asked:
         return name
 
-    from plumbline.harness.scene.importers.commands import read_log
+    from plumbline.harness.scene.importers.replay import read_log
     from plumbline.harness.store.imported_scenes import keep
 
     imported = imported_from(path, options, looks=True)
@@ -187,8 +187,7 @@ def refuse_too_long(imported: "Imported") -> None:
 
 def _replayed(imported: "Imported", options: dict[str, Any]) -> "Imported":
     """The import whose joints follow --commands, for as long as they last unless a duration is said. Raises: RobotError."""
-    from plumbline.harness.scene.importers.commands import read_log
-    from plumbline.harness.scene.importers.replay import Gains, replayed
+    from plumbline.harness.scene.importers.replay import Gains, read_log, replayed
 
     if options["commands"] is None:
         raise RobotError("--interpolate and --gains are about --commands, which is not given")

@@ -2,8 +2,10 @@
 says is checked against a form before anybody uses it: a right checksum makes no content right.
 """
 
+import dataclasses
 import hashlib
 import json
+import math
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
@@ -15,9 +17,9 @@ T = TypeVar("T")
 
 @cache
 def _form(of: Any) -> Any:
-    from pydantic import ConfigDict, TypeAdapter  # late: a listing reads no store
+    from pydantic import TypeAdapter  # late: a listing reads no store
 
-    return TypeAdapter(tuple[of], config=ConfigDict(ser_json_inf_nan="strings"))
+    return TypeAdapter(of)
 
 
 def checked(form: type[T], value: object, what: str) -> T:
@@ -26,10 +28,10 @@ def checked(form: type[T], value: object, what: str) -> T:
     Args: value: of JSON or TOML. Raises: ValueError, with the field that is none.
     """
     try:
-        typed: T = _form(form).validate_python((value,))[0]  # type: ignore[arg-type]  # a class can be hashed
+        typed: T = _form(form).validate_python(value)  # type: ignore[arg-type]  # a class can be hashed
     except ValueError as error:
         first = error.errors(include_url=False)[0]  # type: ignore[attr-defined]  # of pydantic, which is loaded late
-        where = ".".join(map(str, first["loc"][1:])) or what
+        where = ".".join(map(str, first["loc"])) or what
         raise ValueError(f"holds no {what}: {where}: {first['msg']}, got {str(first['input'])[:80]!r}") from None
     return typed
 
@@ -287,10 +289,21 @@ _NAME = re.compile(r"[0-9A-Za-z_-]{1,64}")
 
 
 def plain(entry: Record | Timing) -> dict[str, Any]:
-    """A JSON-ready mapping, non-finite numbers as the words 'NaN', 'Infinity', '-Infinity'; `from_plain` reads it back."""
-    form: Any = type(entry)
-    mapping: dict[str, Any] = json.loads(_form(form).dump_json((entry,)))[0]
+    """A JSON-ready mapping, non-finite numbers as the words 'nan', 'inf', '-inf'; `from_plain` reads it back.
+
+    Not by pydantic, which panics where memory ends.
+    """
+    mapping: dict[str, Any] = _worded(dataclasses.asdict(entry))
     return mapping
+
+
+def _worded(value: Any) -> Any:
+    """The same value with non-finite numbers as words, which strict JSON lacks."""
+    if isinstance(value, float):
+        return value if math.isfinite(value) else str(value)
+    if isinstance(value, Mapping):
+        return {str(key): _worded(element) for key, element in value.items()}
+    return [_worded(element) for element in value] if isinstance(value, list | tuple) else value
 
 
 def from_plain(of: type[Entry], mapping: Mapping[str, Any]) -> Entry:

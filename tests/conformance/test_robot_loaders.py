@@ -205,6 +205,7 @@ def test_bullet_tells_no_axes_of_a_planar_joint(tmp_path: Path) -> None:
     ("engine", "given"),
     [
         ("bullet", {"friction": 0.5, "torsional friction": 0.0, "rolling friction": 0.0, "restitution": 0.0}),
+        ("bullet", {"motor that holds joints still, in a step by up to": 1.0, "damping of moving bodies": 0.04}),
         ("dart", {"friction": 1.0, "restitution": 0.0}),
         ("mujoco", {"friction": 1.0, "torsional friction": 0.005, "rolling friction": 1e-4, "contact margin": 0.0}),
     ],
@@ -212,7 +213,10 @@ def test_bullet_tells_no_axes_of_a_planar_joint(tmp_path: Path) -> None:
 def test_what_a_loader_gives_shapes_of_its_own_is_a_row_and_no_difference(
     engine: str, given: dict[str, float], tmp_path: Path
 ) -> None:
-    """The numbers are those that each vendor documents as its defaults."""
+    """The numbers are those that each vendor documents as its defaults; Bullet's source has the damping and the motors.
+
+    Source: Bullet, btMultiBody.cpp: m_linearDamping and m_angularDamping are .04. The motors: test_bullet_default_motors.
+    """
     pytest.importorskip({"bullet": "pybullet", "dart": "dartpy"}.get(engine, engine))
     path = tmp_path / "box.urdf"
     path.write_text(BOX.format("continuous"))

@@ -123,7 +123,7 @@ WRONG: dict[str, tuple[Change, str]] = {
         "holds the trajectory_hash '../../..",
     ),
     "a trial outside": (set_in("accuracy", "trial", "../../x"), "holds the trial '../../x'"),
-    "samples that are numbers": (set_in("accuracy", "samples", [1, 2]), "samples.0: "),
+    "samples that are numbers": (set_in("accuracy", "timing", {"trial": "a", "samples": [1, 2]}), "timing.samples.0: "),
     "a session without a study": (drop_from("session", "study"), "study: Field required"),
     "a session of no trials": (set_in("session", "trials", None), "trials: "),
     "a session whose study is a word": (set_in("session", "study", "quick"), "study: "),

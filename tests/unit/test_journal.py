@@ -10,6 +10,7 @@ import pytest
 from plumbline.harness.store import disk
 from plumbline.harness.store.journal import Journal, StoreError, read_journal, read_written
 from plumbline.harness.store.record import Measurement, Record, Sample, Timing, plain
+from plumbline.harness.store.stored_tables import BESIDE, COLUMNS, flat
 
 
 def record(name: str) -> Record:
@@ -55,6 +56,16 @@ def test_what_was_written_is_read_back_non_finite_numbers_included(tmp_path: Pat
     assert list(found) == ["a", "b", "c"]
     assert repr(found["a"]) == repr(record("a"))
     assert found["b"].timing == TIMING
+
+
+def test_each_field_of_a_record_and_of_its_timing_has_a_column_but_those_that_are_left_out_by_name() -> None:
+    of_record, of_timing = ({field.name for field in dataclasses.fields(kind)} for kind in (Record, Timing))
+    wanted = (of_record - {"broke", "measurements", "timing"}) | (of_timing - {"note", "samples"}) | {"timing_note"}
+    assert len(COLUMNS["trials"]) == len({*COLUMNS["trials"]})
+    assert {*COLUMNS["trials"], *BESIDE} == wanted | {"notices"}
+    row = flat(dataclasses.replace(record("b"), timing=dataclasses.replace(TIMING, note="late")))
+    assert {*COLUMNS["trials"], *BESIDE} <= {*row}
+    assert (row["cpu_per_sim_s"], row["timing_note"], row["warnings"]) == (0.5, "late", '["timing: late"]')
 
 
 @pytest.mark.parametrize("apart", [7, pytest.param(1, marks=pytest.mark.slow)])

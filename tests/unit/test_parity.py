@@ -136,9 +136,7 @@ def test_a_free_root_keeps_its_energy(tmp_path: Path) -> None:
         """Kinetic by the mass matrix, and potential by the heights of the centres."""
         solids = [(link.name, link.solid) for link in robot.moving if link.solid is not None]
         kinetic = at.rates @ dynamics(robot, at, gravity).M @ at.rates / 2
-        return float(
-            kinetic + 9.81 * sum(link.solid.mass * _centre(robot, at, link.name)[2] for link in robot.moving if link.solid)
-        )
+        return float(kinetic + 9.81 * sum(solid.mass * _centre(robot, at, name)[2] for name, solid in solids))
 
     end = after(robot, start, gravity)
     assert energy(end) == pytest.approx(energy(start), abs=1e-6)

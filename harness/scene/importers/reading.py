@@ -14,9 +14,9 @@ from plumbline.harness.intake.import_wishes import Drop, Omissions, Wishes
 from plumbline.harness.intake.safe_text import quoted, readable
 from plumbline.harness.scene import EARTH_GRAVITY, WORLD, Camera, DepthCamera, PlacedShape, Samples, Scene, Surface
 from plumbline.harness.scene.importers import own, scenarios
-from plumbline.harness.scene.importers.commands import load_commands
 from plumbline.harness.scene.importers.companion import Base, Companion, beside, load_companion
 from plumbline.harness.scene.importers.consequences import consequences
+from plumbline.harness.scene.importers.decomposition import as_polyhedra
 from plumbline.harness.scene.importers.fidelity import Fidelity
 from plumbline.harness.scene.importers.files import Folders, packages_above
 from plumbline.harness.scene.importers.imported import Imported
@@ -29,10 +29,10 @@ from plumbline.harness.scene.importers.materials import Laws, laws_of, one_frict
 from plumbline.harness.scene.importers.merging import Group, check_masses, grouped
 from plumbline.harness.scene.importers.mounting import mounted
 from plumbline.harness.scene.importers.poses import IDENTITY, Array, Pose, pose, turn
+from plumbline.harness.scene.importers.replay import load_commands
 from plumbline.harness.scene.importers.robot import Robot
-from plumbline.harness.scene.importers.rounded import as_polyhedra
+from plumbline.harness.scene.importers.scenarios import poses_of, swept
 from plumbline.harness.scene.importers.settling import NONE, followed, rooted, settled, undropped, wordless_kinds
-from plumbline.harness.scene.importers.sweeping import poses_of, swept
 from plumbline.harness.scene.importers.ties import tied, untied
 from plumbline.harness.scene.importers.units import scaled, suspected
 

@@ -8,9 +8,8 @@ import numpy as np
 
 from plumbline.harness.intake.error import RobotError, listed
 from plumbline.harness.intake.safe_text import quoted
-from plumbline.harness.scene.importers.commands import Log, read_log
 from plumbline.harness.scene.importers.poses import Array
-from plumbline.harness.scene.importers.replay import near_miss, timed
+from plumbline.harness.scene.importers.replay import Log, near_miss, read_log, timed
 from plumbline.harness.scene.parity.canonical import SCALAR, Canonical
 from plumbline.harness.scene.parity.motion import Configuration, dynamics, first_rates
 

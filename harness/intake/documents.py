@@ -148,8 +148,8 @@ def _beyond(text: str, is_toml: bool) -> str:
     return beyond("parts", text.count("[") + text.count("{"), "arrays and tables")
 
 
-def _line(text: str, found: re.Match[str]) -> str:
-    return f"line {text.count(chr(10), 0, found.end()) + 1}"
+def _line(text: str, match: re.Match[str]) -> str:
+    return f"line {text.count(chr(10), 0, match.end()) + 1}"
 
 
 def _headers(text: str, name: str) -> int:
@@ -159,13 +159,13 @@ def _headers(text: str, name: str) -> int:
 
 def _listed(text: str, name: str) -> int:
     """How many values the first array of this name in a text in JSON has, one more than are allowed at most; none is kept."""
-    found, count = re.search(rf'"{name}"\s*+:\s*+\[\s*+', text), 0
-    place, most, next_one = found.end() if found else len(text), getattr(allowance(), name), re.compile(r"\s*+,?\s*+")
+    begun, count = re.search(rf'"{name}"\s*+:\s*+\[\s*+', text), 0
+    position, most, next_one = begun.end() if begun else len(text), getattr(allowance(), name), re.compile(r"\s*+,?\s*+")
     with suppress(ValueError, RecursionError):  # which reading it all will say
-        while count <= most and not text.startswith("]", place) and place < len(text):
-            _, place = _SCANNER.raw_decode(text, place)
-            if (after := next_one.match(text, place)) is not None:
-                count, place = count + 1, after.end()
+        while count <= most and not text.startswith("]", position) and position < len(text):
+            _, position = _SCANNER.raw_decode(text, position)
+            if (after := next_one.match(text, position)) is not None:
+                count, position = count + 1, after.end()
     return count
 
 

@@ -6,12 +6,12 @@ from plumbline.engine.describe.check import not_negative, positive, whole
 
 ADAPTIVE = "dormand_prince"
 FREE_INTEGRATORS = {
-    "explicit_euler": "plumbline.engine.integrate.explicit_euler",
+    "explicit_euler": "plumbline.engine.integrate.runge_kutta",
     "velocity_verlet": "plumbline.engine.integrate.composition",
     "implicit_midpoint": "plumbline.engine.integrate.implicit_midpoint",
     "splitting_4": "plumbline.engine.integrate.composition",
     "splitting_8": "plumbline.engine.integrate.composition",
-    ADAPTIVE: "plumbline.engine.integrate.dormand_prince",
+    ADAPTIVE: "plumbline.engine.integrate.runge_kutta",
 }
 """Integrators of bodies that neither joints nor contacts can touch, with the module of each."""
 TOLERANCES = {"semi_implicit_euler": 1e-11, ADAPTIVE: 1e-12}

@@ -15,8 +15,9 @@ Source: Featherstone, Rigid Body Dynamics Algorithms, 2008, sections 7.3 (table 
 import math
 
 from plumbline.engine.articulated import tables as tree
+from plumbline.engine.articulated.motion import change_along
 from plumbline.engine.articulated.tables import Tables
-from plumbline.engine.articulated.ties import factor_ties, pull_ties
+from plumbline.engine.articulated.ties import factor_ties, pull_ties, pulled_beside
 from plumbline.engine.compile.jit import kernel
 from plumbline.engine.maths.floats import fma
 from plumbline.engine.maths.rows import Floats, Mat, Sym, Vec, load3, load6, load9, store3, store6, store9
@@ -121,12 +122,8 @@ def outwards(tables: Tables, biased: bool) -> None:
         first = kind[i, tree.FIRST]
         a_w, a_v = before_joint(tables, i, biased)
         for k in range(first, first + kind[i, tree.COLUMNS]):
-            if column[k, tree.ADDED] != math.inf:
-                taken = dot(load3(column, k, tree.PULL), a_w) + dot(load3(column, k, tree.PULL + 3), a_v)
-                column[k, tree.CHANGE] = column[k, tree.INVERSE] * (column[k, tree.LEFT] - taken)
-            change = column[k, tree.CHANGE]
-            a_w = axpy(change, load3(column, k, tree.AXIS_W), a_w)
-            a_v = axpy(change, load3(column, k, tree.AXIS_W + 3), a_v)
+            change, a_w, a_v = change_along(column, k, column[k, tree.LEFT], column[k, tree.CHANGE], a_w, a_v)
+            column[k, tree.CHANGE] = change
         store3(tables.motion, i, tree.ACCELERATION, a_w)
         store3(tables.motion, i, tree.ACCELERATION + 3, a_v)
 
@@ -179,16 +176,14 @@ def answer_forces(tables: Tables, h: float) -> tuple[float, float]:
         a_w, a_v = before_joint(tables, i, False)
         for k in range(kind[i, tree.FIRST], kind[i, tree.FIRST] + kind[i, tree.COLUMNS]):
             if column[k, tree.ADDED] != math.inf:
-                taken = dot(load3(column, k, tree.PULL), a_w) + dot(load3(column, k, tree.PULL + 3), a_v)
-                change = column[k, tree.INVERSE] * (column[k, tree.LEFT] - taken)
-                a_w = axpy(change, load3(column, k, tree.AXIS_W), a_w)
-                a_v = axpy(change, load3(column, k, tree.AXIS_W + 3), a_v)
+                change, a_w, a_v = change_along(column, k, column[k, tree.LEFT], 0.0, a_w, a_v)
                 column[k, tree.RATE] += h * change
                 largest = max(largest, abs(h * change))
             else:
                 column[k, tree.LEFT] += dot(load3(column, k, tree.PULL), a_w) + dot(load3(column, k, tree.PULL + 3), a_v)
                 column[k, tree.LEFT] += dot(load3(column, k, tree.AXIS_W), load3(tables.body, i, tree.FORCE))
                 column[k, tree.LEFT] += dot(load3(column, k, tree.AXIS_W + 3), load3(tables.body, i, tree.FORCE + 3))
+                column[k, tree.LEFT] -= pulled_beside(tables, k)
             fastest = max(fastest, abs(column[k, tree.RATE]))
         store3(motion, i, tree.ACCELERATION, a_w)
         store3(motion, i, tree.ACCELERATION + 3, a_v)

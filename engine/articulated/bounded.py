@@ -15,6 +15,8 @@ from plumbline.engine.articulated.forces import weigh_links
 from plumbline.engine.articulated.laws import ALL, PRESSED, is_ruled, next_segment, take_segment, write_laws
 from plumbline.engine.articulated.momenta import load_momenta, press_links
 from plumbline.engine.articulated.tables import Tables
+from plumbline.engine.articulated.tendons import change_pieces
+from plumbline.engine.articulated.ties import pulled_beside
 from plumbline.engine.compile.jit import kernel
 from plumbline.engine.maths.rows import Floats, load3
 from plumbline.engine.maths.vec import add, dot, scale
@@ -38,7 +40,8 @@ def needed_force(tables: Tables, i: int, armature: float) -> float:
     # The force has taken in what the change needs, so that the acceleration counts without it.
     a_w, a_v = add(a_w, scale(-change, turning)), add(a_v, scale(-change, sliding))
     torque, force = needed_by(tables.body, i, a_w, a_v)
-    return float(dot(turning, torque) + dot(sliding, force) + armature * change - tables.column[k, tree.BESIDE])
+    needed = dot(turning, torque) + dot(sliding, force) + armature * change - tables.column[k, tree.BESIDE]
+    return float(needed - pulled_beside(tables, k))
 
 
 @kernel
@@ -58,7 +61,7 @@ def held_by(tables: Tables, joints: Joints, i: int) -> float:
 
 @kernel
 def change_segments(tables: Tables, joints: Joints, h: float, alone: bool) -> int:
-    """Let columns on the wrong segment go on to the next, all of them or the first alone. Returns: how many there were."""
+    """Let columns and tendons on the wrong segment go on to the next, all or the first alone. Returns: how many there were."""
     law, column, kind, wrong = tables.law, tables.column, tables.kind, 0
     for i in range(kind.shape[0]):
         k = kind[i, tree.FIRST]
@@ -74,7 +77,7 @@ def change_segments(tables: Tables, joints: Joints, h: float, alone: bool) -> in
             if wrong == 1 or not alone:
                 law[k, tree.SEGMENT] = segment
                 take_segment(tables, i, joints, h)
-    return wrong
+    return change_pieces(tables, h, wrong, alone)
 
 
 @kernel

@@ -16,9 +16,8 @@ from plumbline.engine.maths.rows import Floats, Vec, store6, store9
 from plumbline.engine.maths.vec import add, cross, neg, tmat_vec
 from plumbline.engine.memory import arena as at
 from plumbline.engine.memory.tables import Bodies, Contacts
-from plumbline.engine.respond.centre import Centre, centre_of, relative_motion
+from plumbline.engine.respond.centre import Centre, Motion, centre_of, relative_motion
 from plumbline.engine.respond.mobility import write_masses
-from plumbline.engine.respond.pair import Motion
 
 SHARE: Final = 1e-6
 """Of the bodies' own mobility, which M has more than it should: a foot under a robot leaves a thousand times as much of it."""

@@ -13,8 +13,7 @@ from plumbline.engine.maths.rows import Floats, Vec
 from plumbline.engine.maths.vec import add, cross, neg, tmat_vec
 from plumbline.engine.memory import arena as at
 from plumbline.engine.memory.tables import Contacts
-from plumbline.engine.respond.centre import Centre, centre_of, relative_motion
-from plumbline.engine.respond.pair import motion_of
+from plumbline.engine.respond.centre import Centre, centre_of, motion_of, relative_motion
 from plumbline.engine.respond.soft import resist
 from plumbline.engine.respond.softness import Softness
 from plumbline.engine.respond.substep import kept_impulse

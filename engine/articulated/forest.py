@@ -1,14 +1,14 @@
 """Which trees the joints of a world make: who hangs on whom, from the roots on; what closes loops; or why they make none."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from plumbline.engine.build.couplings import leaders_of
 from plumbline.engine.describe.bodies import Body
-from plumbline.engine.describe.joints import Ball, Distance, Joint
+from plumbline.engine.describe.joints import Ball, Distance, Joint, Prismatic, Revolute, Tendon
 from plumbline.engine.maths.arrays import dot, eigenvalues
 
 THINNEST = 1e-12
@@ -45,12 +45,13 @@ class Link:
 class Forest:
     """The links of all trees, parents before children and tree by tree, and the bodies that forces or nobody moves alone.
 
-    Terms: closing: the joints that close loops of these trees, by their numbers.
+    Terms: closing: the joints that close loops of these trees, by their numbers. tendons: each with its arms by link.
     """
 
     links: tuple[Link, ...]
     others: tuple[int, ...]
     closing: tuple[int, ...] = ()
+    tendons: tuple[tuple[Tendon, Mapping[int, float]], ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -149,6 +150,20 @@ def forest_of(bodies: Sequence[Body], joints: Sequence[Joint]) -> Forest | NoFor
             return NoForest(f"body '{body.name}'", "it has no mass, and stands between no two joints of a tree")
     others = tuple(i for i, body in enumerate(bodies) if i not in where and body.motion != "static")
     return Forest(tuple(links), others, closing)
+
+
+def with_tendons(forest: Forest, joints: Sequence[Joint], tendons: Sequence[Tendon]) -> Forest | NoForest:
+    """The forest with tendons over its coordinates. Raises: ValueError for an arm on a joint without one, or of no name."""
+    scalar = {joint.name for joint in joints if isinstance(joint, Revolute | Prismatic)}
+    link_of = {joints[link.joint].name: k for k, link in enumerate(forest.links) if link.joint >= 0}
+    for tendon in tendons:
+        for name in tendon.arms:
+            if name not in scalar:
+                raise ValueError(f"tendon '{tendon.name}': '{name}' is no joint with one coordinate")
+            if name not in link_of:
+                return NoForest(f"joint '{name}'", "it closes a loop, and tendons pull at coordinates of trees")
+    arms = ({link_of[name]: arm for name, arm in tendon.arms.items()} for tendon in tendons)
+    return replace(forest, tendons=tuple(zip(tendons, arms, strict=True)))
 
 
 def _closes(body: Body, closing: Sequence[int], joints: Sequence[Joint]) -> bool:

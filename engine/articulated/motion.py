@@ -9,13 +9,15 @@ in the axes of its parent; a free root's are w_WB and v_WB.
 Source: Featherstone, Rigid Body Dynamics Algorithms, 2008, sections 2.2 (spatial vectors), 3.5 (acceleration) and 4.4 (joints).
 """
 
+import math
+
 from plumbline.engine.articulated import tables as tree
 from plumbline.engine.articulated.tables import Tables
 from plumbline.engine.compile.jit import kernel
 from plumbline.engine.maths.elementary import cos_sin
 from plumbline.engine.maths.floats import fma
 from plumbline.engine.maths.rows import Floats, Mat, Quat, Vec, load3, load4, load9, store3, store4, store9
-from plumbline.engine.maths.vec import add, axpy, cross, mat_vec, neg, quat_mul, sub
+from plumbline.engine.maths.vec import add, axpy, cross, dot, mat_vec, neg, quat_mul, sub
 from plumbline.engine.memory import arena as at
 
 STILL: Vec = (0.0, 0.0, 0.0)
@@ -52,6 +54,18 @@ def rates_of(tables: Tables, k: int) -> Vec:
     """The rates of three columns from k on."""
     column = tables.column
     return column[k, tree.RATE], column[k + 1, tree.RATE], column[k + 2, tree.RATE]
+
+
+@kernel
+def change_along(column: Floats, k: int, left: float, change: float, a_w: Vec, a_v: Vec) -> tuple[float, Vec, Vec]:
+    """What column k changes of its rate by the force that is left along it, on a link with this acceleration but for that, and
+    the acceleration with it. Args: change: what is taken where it is prescribed.
+    """
+    if column[k, tree.ADDED] != math.inf:
+        taken = dot(load3(column, k, tree.PULL), a_w) + dot(load3(column, k, tree.PULL + 3), a_v)
+        change = column[k, tree.INVERSE] * (left - taken)
+    a_w = axpy(change, load3(column, k, tree.AXIS_W), a_w)
+    return change, a_w, axpy(change, load3(column, k, tree.AXIS_W + 3), a_v)
 
 
 @kernel

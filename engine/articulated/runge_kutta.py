@@ -1,12 +1,13 @@
-"""One step of the classical Runge-Kutta method of order four in joint coordinates.
+"""Explicit Runge-Kutta methods in joint coordinates: the classical one of order four, and Dormand and Prince's adaptive pair.
 
     y' = (q, q')' = (q', q''(q, q')),  k_i = f(y + h sum_j a_ij k_j),  y <- y + h sum_i b_i k_i
 
-Then rates that a limit, or a spring too stiff for stages, changes at the end.
+Nothing has to be projected: the coordinates leave the bodies no way off their joints. At the end of a step act limits, and
+springs too stiff for stages. All trees of a world share a step; orientations are quaternions that are made unit ones in each
+stage. The error of the pair is that of rates relative to all of them, and that of orientations and of hinges [rad]; that of a
+way [m] is the integral of that of its rate. It lands on the end of a sub-step exactly.
 
-Nothing has to be projected: the coordinates leave the bodies no way off their joints.
-
-Source: Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, section II.1, table 1.2 (1901, Kutta).
+Source: as `engine.integrate.runge_kutta`.
 """
 
 from typing import Final, NamedTuple
@@ -25,7 +26,8 @@ from plumbline.engine.articulated.tables import Tables
 from plumbline.engine.compile.jit import kernel
 from plumbline.engine.constrain.coordinate import explicit_force
 from plumbline.engine.constrain.stiffness import DAMPED, STIFF
-from plumbline.engine.integrate.runge_kutta import quat_rate
+from plumbline.engine.integrate import runge_kutta as explicit
+from plumbline.engine.integrate.runge_kutta import DORMAND_PRINCE, RK4, Trial, quat_rate
 from plumbline.engine.maths.rows import Floats, load4, store4
 from plumbline.engine.maths.vec import quat_unit
 from plumbline.engine.memory import arena as at
@@ -34,19 +36,22 @@ from plumbline.engine.memory.tables import Bodies, Joints
 POSE: Final = 7
 """Numbers of a link's pose in y."""
 
-RK4_STAGES: Final = 4
-RK4: Final = np.array(
-    [[0, 0, 0, 0, 0], [1 / 2, 0, 0, 0, 1 / 2], [0, 1 / 2, 0, 0, 1 / 2], [0, 0, 1, 0, 1], [1 / 6, 1 / 3, 1 / 3, 1 / 6, 1]]
-)
-"""Of each stage a_ij, and where in a step it is; the weights of the end last."""
+SLOWEST = 1e-3
+"""Rates [rad/s or m/s] are taken as at least this large: at a tolerance of 1e-12, what is less of their error is round-off."""
 
 
-class Trial(NamedTuple):
-    """What a trial step works on: y (2 rows: at its start, and where it comes to), the slopes k (STAGES rows), and what the
-    bases' poses and the joints' reactions were at its start, a row each."""
+class Forest(NamedTuple):
+    """The trees of a world under their loads, and what a step goes back to.
 
-    y: Floats
-    k: Floats
+    Terms: ends: as `ends_with_laws`; base (n, 7), carried (joints, 6): the bases' poses and the joints' reactions at its start.
+    """
+
+    tables: Tables
+    bodies: Bodies
+    joints: Joints
+    setting: Floats
+    gyroscopic: int
+    ends: bool
     base: Floats
     carried: Floats
 
@@ -95,14 +100,6 @@ def mark_stiff_columns(tables: Tables, bodies: Bodies, joints: Joints, dt: float
 
 
 @kernel
-def room_for_trials(tables: Tables, joints: Joints, stages: int) -> Trial:
-    """Room for a step of all trees in so many stages."""
-    length = POSE * tables.kind.shape[0] + tables.column.shape[0]
-    base, carried = np.zeros((tables.other.shape[0], POSE)), np.zeros((joints.joint.shape[0], 6))
-    return Trial(np.zeros((2, length)), np.zeros((stages, length)), base, carried)
-
-
-@kernel
 def gather(tables: Tables, y: Floats, row: int) -> None:
     """Write the present coordinates and rates into a row of y."""
     n = tables.kind.shape[0]
@@ -127,32 +124,48 @@ def scatter(tables: Tables, y: Floats, row: int) -> None:
 
 
 @kernel
-def keep_beside(tables: Tables, bodies: Bodies, joints: Joints, trial: Trial) -> None:
-    """Note poses of bases, and reactions, as they are."""
-    for n in range(tables.other.shape[0]):
-        for c in range(POSE):
-            trial.base[n, c] = bodies.state[tables.other[n, 0], c]
-    for j in range(trial.carried.shape[0]):
-        for c in range(6):
-            trial.carried[j, c] = joints.joint[j, at.REACTION + c]
+def forest_of(tables: Tables, bodies: Bodies, joints: Joints, setting: Floats, gyroscopic: int) -> Forest:
+    """The trees of a world."""
+    base, carried = np.zeros((tables.other.shape[0], POSE)), np.zeros((joints.joint.shape[0], 6))
+    return Forest(tables, bodies, joints, setting, gyroscopic, ends_with_laws(tables, joints), base, carried)
 
 
 @kernel
-def bases_at(tables: Tables, bodies: Bodies, trial: Trial, h: float) -> None:
-    """Put the bases where they are h seconds after the trial's start."""
+def room_for_trials(tables: Tables, stages: int) -> Trial:
+    """Room for a step of all trees in so many stages."""
+    return explicit.room_for_trials(POSE * tables.kind.shape[0] + tables.column.shape[0], stages)
+
+
+@kernel
+def begin(forest: Forest, trial: Trial) -> None:
+    """Note coordinates, rates, poses of bases and reactions as they are."""
+    tables, bodies, joints = forest.tables, forest.bodies, forest.joints
+    gather(tables, trial.y, 0)
     for n in range(tables.other.shape[0]):
         for c in range(POSE):
-            bodies.state[tables.other[n, 0], c] = trial.base[n, c]
+            forest.base[n, c] = bodies.state[tables.other[n, 0], c]
+    for j in range(forest.carried.shape[0]):
+        for c in range(6):
+            forest.carried[j, c] = joints.joint[j, at.REACTION + c]
+
+
+@kernel
+def bases_at(forest: Forest, h: float) -> None:
+    """Put the bases where they are h seconds after the step's start."""
+    tables, bodies = forest.tables, forest.bodies
+    for n in range(tables.other.shape[0]):
+        for c in range(POSE):
+            bodies.state[tables.other[n, 0], c] = forest.base[n, c]
     carry_bases(tables, bodies, h)
 
 
 @kernel
-def find_accelerations(tables: Tables, bodies: Bodies, joints: Joints, setting: Floats, gyroscopic: int) -> None:
+def find_accelerations(forest: Forest) -> None:
     """Write the accelerations at the present coordinates and rates."""
-    move_links(tables, bodies.state)
-    push_columns(tables, joints)
-    load_links(tables, bodies, setting, gyroscopic)
-    accelerations(tables, True)
+    move_links(forest.tables, forest.bodies.state)
+    push_columns(forest.tables, forest.joints)
+    load_links(forest.tables, forest.bodies, forest.setting, forest.gyroscopic)
+    accelerations(forest.tables, True)
 
 
 @kernel
@@ -174,44 +187,33 @@ def write_slope(tables: Tables, k: Floats, stage: int) -> None:
 
 
 @kernel
-def go_through_stages(
-    tables: Tables,
-    bodies: Bodies,
-    joints: Joints,
-    setting: Floats,
-    h: float,
-    gyroscopic: int,
-    method: Floats,
-    trial: Trial,
-) -> None:
+def go_through_stages(h: float, method: Floats, forest: Forest, trial: Trial) -> None:
     """Go on by h from y, where accelerations are known, to its end, counting what joints carry.
 
     Args: method: as `RK4`. Where there are as many slopes as rows, the end has one as well.
     """
-    y, k, a, last = trial.y, trial.k, method, method.shape[0] - 1
+    tables, k, a, last = forest.tables, trial.k, method, method.shape[0] - 1
     write_slope(tables, k, 0)
-    add_reactions(tables, joints, h * a[last, 0])
+    add_reactions(tables, forest.joints, h * a[last, 0])
     for i in range(1, last + 1):
-        for j in range(k.shape[1]):
-            y[1, j] = y[0, j]
-        for s in range(i):
-            if a[i, s] != 0.0:
-                for j in range(k.shape[1]):
-                    y[1, j] += h * a[i, s] * k[s, j]
-        scatter(tables, y, 1)
-        bases_at(tables, bodies, trial, a[i, a.shape[1] - 1] * h)
+        explicit.go_to_stage(trial, method, i, h)
+        scatter(tables, trial.y, 1)
+        bases_at(forest, a[i, a.shape[1] - 1] * h)
         if i < k.shape[0]:
-            find_accelerations(tables, bodies, joints, setting, gyroscopic)
+            find_accelerations(forest)
             if i < last:
-                add_reactions(tables, joints, h * a[last, i])
+                add_reactions(tables, forest.joints, h * a[last, i])
             write_slope(tables, k, i)
 
 
 @kernel
-def act_at_end(tables: Tables, bodies: Bodies, joints: Joints, setting: Floats, h: float, gyroscopic: int) -> bool:
+def act_at_end(h: float, forest: Forest) -> bool:
     """Let limits, and what is too stiff for stages, change the rates after a step h. Returns: whether laws had an answer."""
+    tables, bodies, joints = forest.tables, forest.bodies, forest.joints
+    if not forest.ends:
+        return True
     move_links(tables, bodies.state)
-    if not solve_laws(tables, bodies, joints, setting, h, gyroscopic, STIFF_ALONE):
+    if not solve_laws(tables, bodies, joints, forest.setting, h, forest.gyroscopic, STIFF_ALONE):
         return False
     add_reactions(tables, joints, h)
     change_rates(tables, h)
@@ -219,15 +221,59 @@ def act_at_end(tables: Tables, bodies: Bodies, joints: Joints, setting: Floats, 
 
 
 @kernel
-def runge_kutta(
-    tables: Tables, bodies: Bodies, joints: Joints, setting: Floats, dt: float, gyroscopic: int, ends: bool, trial: Trial
-) -> bool:
-    """Advance all trees and bases by dt, counting what joints carry.
+def runge_kutta(h: float, forest: Forest, trial: Trial) -> bool:
+    """Advance all trees and bases by h, counting what joints carry. Returns: whether the laws had an answer."""
+    begin(forest, trial)
+    find_accelerations(forest)
+    go_through_stages(h, RK4, forest, trial)
+    return act_at_end(h, forest)
 
-    Args: ends: as `ends_with_laws`. Returns: whether the laws had an answer.
+
+@kernel
+def attempt(h: float, forest: Forest, trial: Trial) -> float:
+    """A trial step. Returns: the larger error of rates, relative to all of them, and of any orientation or hinge [rad]."""
+    kind, k, n = forest.tables.kind, trial.k, forest.tables.kind.shape[0]
+    go_through_stages(h, DORMAND_PRINCE, forest, trial)
+    error, fastest = explicit.error_of(trial, h, POSE * n, k.shape[1])
+    largest = error / max(fastest, SLOWEST)
+    for i in range(n):
+        if kind[i, tree.TYPE] != at.PRISMATIC:
+            turn, _ = explicit.error_of(trial, h, POSE * i, POSE * i + 4)
+            # A sum is not finite if any part is not, while a maximum may pass it over.
+            largest = turn if not turn <= largest else largest
+    return largest
+
+
+@kernel
+def finish(h: float, taken: bool, forest: Forest, trial: Trial) -> bool:
+    """End a step that is taken, or go back to its start. Returns: whether the laws had an answer."""
+    if taken:
+        if not act_at_end(h, forest):
+            return False
+        if forest.ends:
+            find_accelerations(forest)
+        begin(forest, trial)
+        return True
+    scatter(forest.tables, trial.y, 0)
+    bases_at(forest, 0.0)
+    for j in range(forest.carried.shape[0]):
+        for c in range(6):
+            forest.joints.joint[j, at.REACTION + c] = forest.carried[j, c]
+    find_accelerations(forest)
+    return True
+
+
+@kernel
+def dormand_prince(end: float, forest: Forest, trial: Trial) -> bool:
+    """Advance all trees and bases by `end` seconds in as many steps as the tolerance asks for, counting what joints carry.
+
+    Returns: whether they sufficed, and the laws had an answer.
     """
-    gather(tables, trial.y, 0)
-    keep_beside(tables, bodies, joints, trial)
-    find_accelerations(tables, bodies, joints, setting, gyroscopic)
-    go_through_stages(tables, bodies, joints, setting, dt, gyroscopic, RK4, trial)
-    return act_at_end(tables, bodies, joints, setting, dt, gyroscopic) if ends else True
+    passage, tolerance = forest.tables.passage, forest.setting[0, at.STEP_TOLERANCE]
+    find_accelerations(forest)
+    begin(forest, trial)
+    stride = explicit.adapt(passage[0, tree.KEPT_STRIDE], end, tolerance, attempt, finish, forest, trial)
+    if stride < 0.0:
+        return False
+    passage[0, tree.KEPT_STRIDE] = stride
+    return True

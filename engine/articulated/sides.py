@@ -18,6 +18,7 @@ from plumbline.engine.articulated.advance import add_reactions
 from plumbline.engine.articulated.bounded import answer_laws
 from plumbline.engine.articulated.laws import is_ruled, next_segment, take_laws
 from plumbline.engine.articulated.tables import Tables
+from plumbline.engine.articulated.tendons import are_on_pieces, take_pieces
 from plumbline.engine.compile.jit import kernel
 from plumbline.engine.maths.rows import Floats
 from plumbline.engine.memory import arena as at
@@ -68,7 +69,7 @@ def are_settled(tables: Tables, joints: Joints, setting: Floats, h: float) -> bo
             open_by = open_by * inertia / h
         if next_segment(tables, i, joints, h, found, open_by) != int(law[k, tree.SEGMENT]):
             return False
-    return True
+    return are_on_pieces(tables, h, KNOWN * setting[0, at.STEP_TOLERANCE] * fastest)
 
 
 @kernel
@@ -87,6 +88,7 @@ def start_again(
                 joints.joint[j, at.ARMATURE] * (tables.stage_rate[k, tree.STARTED] - column[k, tree.RATE]) / h
             )
     take_laws(tables, joints, h)
+    take_pieces(tables, h)
     if reactions:
         # With all on their segments, nothing changes and the joints carry what was counted.
         answer_laws(tables, bodies, setting, h, gyroscopic, which)

@@ -74,6 +74,20 @@ def explicit_force(joints: Joints, j: int, x: float, rate: float) -> float:
 
 
 @kernel
+def bound(row: Floats, r: int, bias: float, low: float, high: float) -> int:
+    """Let row r aim at this bias within bounds of its impulse. Returns: the next row."""
+    row[r, at.BIAS], row[r, at.LOW], row[r, at.HIGH] = bias, low, high
+    return r + 1
+
+
+@kernel
+def turn_round(row: Floats, r: int) -> None:
+    """Let row r say the opposite."""
+    for c in range(at.JACOBIAN, at.JACOBIAN + 12):
+        row[r, c] = -row[r, c]
+
+
+@kernel
 def rows_of_joint(state: Floats, joints: Joints, j: int, has: int, rows: Rows, r: int, h: float) -> int:
     """Write the rows of what joint j has of limits, friction, spring and drive, bits as of HAS, from row r on.
 
@@ -83,66 +97,42 @@ def rows_of_joint(state: Floats, joints: Joints, j: int, has: int, rows: Rows, r
     if has & at.HAS_LIMITS:
         x, _ = coordinate_row(state, joints, j, rows, r)
         below, above = x - joint[j, at.LOWER], joint[j, at.UPPER] - x
-        if below <= above:
-            row[r, at.BIAS], row[r, at.LOW], row[r, at.HIGH] = below / h, 0.0, math.inf
-        else:
-            for c in range(at.JACOBIAN, at.JACOBIAN + 12):
-                row[r, c] = -row[r, c]
-            row[r, at.BIAS], row[r, at.LOW], row[r, at.HIGH] = above / h, 0.0, math.inf
-        r += 1
+        if below > above:
+            turn_round(row, r)
+        r = bound(row, r, min(below, above) / h, 0.0, math.inf)
     if has & at.HAS_SPEED_LIMIT:
         for way in range(2):
             coordinate_row(state, joints, j, rows, r)
             if way == 0:
-                for c in range(at.JACOBIAN, at.JACOBIAN + 12):
-                    row[r, c] = -row[r, c]
-            row[r, at.BIAS], row[r, at.LOW], row[r, at.HIGH] = joint[j, at.SPEED_LIMIT], 0.0, math.inf
-            r += 1
+                turn_round(row, r)
+            r = bound(row, r, joint[j, at.SPEED_LIMIT], 0.0, math.inf)
     if has & at.HAS_FRICTION:
         coordinate_row(state, joints, j, rows, r)
-        row[r, at.LOW], row[r, at.HIGH] = -h * joint[j, at.FRICTION_LOSS], h * joint[j, at.FRICTION_LOSS]
-        r += 1
-    if has & at.HAS_SPRING:
-        x, _ = coordinate_row(state, joints, j, rows, r)
-        k, c = joint[j, at.SPRING], joint[j, at.SPRING + 1]
-        if c + h * k > 0.0:
-            row[r, at.SOFTNESS] = 1.0 / (h * (c + h * k))
-            row[r, at.BIAS] = k * (x - joint[j, at.SPRING + 2]) / (c + h * k)
-            row[r, at.LOW], row[r, at.HIGH] = -math.inf, math.inf
-            r += 1
-    if has & at.HAS_DRIVE:
-        x, _ = coordinate_row(state, joints, j, rows, r)
-        k, c = joint[j, at.DRIVE], joint[j, at.DRIVE + 1]
-        if c + h * k > 0.0:
-            row[r, at.SOFTNESS] = 1.0 / (h * (c + h * k))
-            row[r, at.BIAS] = (k * (x - joint[j, at.DRIVE + 2]) - c * joint[j, at.DRIVE + 3]) / (c + h * k)
-            row[r, at.LOW], row[r, at.HIGH] = -h * joint[j, at.DRIVE + 4], h * joint[j, at.DRIVE + 4]
-            r += 1
+        r = bound(row, r, 0.0, -h * joint[j, at.FRICTION_LOSS], h * joint[j, at.FRICTION_LOSS])
+    for law, bit in ((at.SPRING, at.HAS_SPRING), (at.DRIVE, at.HAS_DRIVE)):
+        if has & bit:
+            x, _ = coordinate_row(state, joints, j, rows, r)
+            k, c = joint[j, law], joint[j, law + 1]
+            pull, most = k * (x - joint[j, law + 2]), math.inf
+            if bit == at.HAS_DRIVE:
+                pull, most = pull - c * joint[j, law + 3], h * joint[j, law + 4]
+            if c + h * k > 0.0:
+                row[r, at.SOFTNESS] = 1.0 / (h * (c + h * k))
+                r = bound(row, r, pull / (c + h * k), -most, most)
     return r
 
 
 @kernel
-def bounded_rows(state: Floats, joints: Joints, rows: Rows, first: int, h: float) -> int:
+def bounded_rows(state: Floats, joints: Joints, rows: Rows, first: int, h: float, stiff_alone: bool) -> int:
     """Append the rows of all limits, dry friction, springs and drives, taken implicitly over h, after row `first`.
 
-    Returns: the number of rows, equality rows included.
+    Args: stiff_alone: only limits, and those springs and drives that are marked as implicit. Returns: the number of rows,
+        equality rows included.
     """
     r = first
     for rank in range(len(joints.order)):
         j = joints.order[rank, 0]
-        has = joints.kind[j, at.HAS]
-        if has != 0:
-            r = rows_of_joint(state, joints, j, has, rows, r, h)
-    return r
-
-
-@kernel
-def implicit_rows(state: Floats, joints: Joints, rows: Rows, first: int, h: float) -> int:
-    """As `bounded_rows`, of limits and of those springs and drives alone that are marked as implicit."""
-    r = first
-    for rank in range(len(joints.order)):
-        j = joints.order[rank, 0]
-        has = joints.kind[j, at.HAS] & (joints.kind[j, at.IMPLICIT] | at.HAS_LIMITS)
+        has = joints.kind[j, at.HAS] & ((joints.kind[j, at.IMPLICIT] | at.HAS_LIMITS) if stiff_alone else -1)
         if has != 0:
             r = rows_of_joint(state, joints, j, has, rows, r, h)
     return r

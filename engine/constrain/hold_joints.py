@@ -24,7 +24,7 @@ def write_rows(bodies: Bodies, joints: Joints, rows: Rows, h: float) -> Held:
     for r in range(equalities):
         if rows.row[r, at.SOFTNESS] == 0.0:
             rows.row[r, at.BIAS] = rows.row[r, at.GAP] / h
-    n = bounded_rows(bodies.state, joints, rows, equalities, h)
+    n = bounded_rows(bodies.state, joints, rows, equalities, h, stiff_alone=False)
     assemble(rows, n, bodies)
     return equalities, n
 

@@ -49,14 +49,6 @@ def put_row(rows: Rows, r: int, j: int, a: int, b: int, jacobian: Jacobian, curv
 
 
 @kernel
-def soften(rows: Rows, r: int, joint: Floats, j: int) -> int:
-    """Give row r what the rotor of joint j is: softness and the rate that it has. Returns: the next row."""
-    rows.row[r, at.SOFTNESS] = 1.0 / joint[j, at.ARMATURE]
-    rows.row[r, at.BIAS] = -joint[j, at.ROTOR_RATE]
-    return r + 1
-
-
-@kernel
 def anchors(state: Floats, joint: Floats, j: int, a: int, b: int) -> tuple[Vec, Vec, Vec]:
     """The arms r_A and r_B from the centres of mass to the anchors, and the way d from anchor A to anchor B, in W [m]."""
     ra = mat_vec(quat_mat(load4(state, a, at.Q)), load3(joint, j, at.ANCHOR_A))
@@ -112,6 +104,7 @@ def equality_rows(state: Floats, joints: Joints, rows: Rows) -> int:
         turn_a = quat_mat(load4(state, a, at.Q))
         va, wa = load3(state, a, at.V), load3(state, a, at.W)
         vb, wb = load3(state, b, at.V), load3(state, b, at.W)
+        rate = sub(add(vb, cross(wb, rb)), add(va, cross(wa, ra)))
         centripetal = sub(cross(wb, cross(wb, rb)), cross(wa, cross(wa, ra)))
         if kind in (at.BALL, at.FIXED, at.REVOLUTE):
             for k in range(3):
@@ -124,35 +117,25 @@ def equality_rows(state: Floats, joints: Joints, rows: Rows) -> int:
                 e = AXES[k]
                 put_row(rows, r, j, a, b, (zero, neg(e), zero, e), 0.0)
                 r += 1
-        if kind == at.REVOLUTE:
+        if kind in (at.REVOLUTE, at.PRISMATIC):
             axis_a = mat_vec(turn_a, load3(joint, j, at.AXIS_A))
             t = mat_vec(turn_a, perpendicular(load3(joint, j, at.AXIS_A)))
-            for _ in range(2):
-                put_row(rows, r, j, a, b, (zero, neg(t), zero, t), dot(cross(wa, t), sub(wb, wa)))
-                t = cross(axis_a, t)
-                r += 1
-            if joints.kind[j, at.HAS] & at.HAS_ARMATURE:
-                put_row(rows, r, j, a, b, (zero, neg(axis_a), zero, axis_a), dot(cross(wa, axis_a), sub(wb, wa)))
-                r = soften(rows, r, joint, j)
-        if kind == at.PRISMATIC:
-            axis_a = mat_vec(turn_a, load3(joint, j, at.AXIS_A))
-            t = mat_vec(turn_a, perpendicular(load3(joint, j, at.AXIS_A)))
-            rate = sub(add(vb, cross(wb, rb)), add(va, cross(wa, ra)))
-            for _ in range(2):
-                curvature = dot(cross(wa, cross(wa, t)), d) + 2.0 * dot(cross(wa, t), rate) + dot(t, centripetal)
-                jacobian = (neg(t), neg(cross(add(ra, d), t)), t, cross(rb, t))
+            rotor = joints.kind[j, at.HAS] & at.HAS_ARMATURE
+            for k in range(3 if rotor else 2):
+                n = axis_a if k == 2 else t
+                if kind == at.REVOLUTE:
+                    jacobian, curvature = (zero, neg(n), zero, n), dot(cross(wa, n), sub(wb, wa))
+                else:
+                    curvature = dot(cross(wa, cross(wa, n)), d) + 2.0 * dot(cross(wa, n), rate) + dot(n, centripetal)
+                    jacobian = (neg(n), neg(cross(add(ra, d), n)), n, cross(rb, n))
                 put_row(rows, r, j, a, b, jacobian, curvature)
                 t = cross(axis_a, t)
                 r += 1
-            if joints.kind[j, at.HAS] & at.HAS_ARMATURE:
-                n = axis_a
-                curvature = dot(cross(wa, cross(wa, n)), d) + 2.0 * dot(cross(wa, n), rate) + dot(n, centripetal)
-                put_row(rows, r, j, a, b, (neg(n), neg(cross(add(ra, d), n)), n, cross(rb, n)), curvature)
-                r = soften(rows, r, joint, j)
+            if rotor:
+                rows.row[r - 1, at.SOFTNESS], rows.row[r - 1, at.BIAS] = 1.0 / joint[j, at.ARMATURE], -joint[j, at.ROTOR_RATE]
         if kind == at.DISTANCE and joints.kind[j, at.HAS] == 0:
             length = norm(d)
             u = along(d, (0.0, 0.0, 1.0))
-            rate = sub(add(vb, cross(wb, rb)), add(va, cross(wa, ra)))
             radial = dot(u, rate)
             curvature = dot(u, centripetal) + (dot(rate, rate) - radial * radial) / max(length, 1e-12)
             jacobian = (neg(u), neg(cross(ra, u)), u, cross(rb, u))

@@ -9,7 +9,7 @@ Integration, section IV.4.
 
 from plumbline.engine.compile.jit import kernel
 from plumbline.engine.constrain.bounded import solve_bounded
-from plumbline.engine.constrain.coordinate import implicit_rows
+from plumbline.engine.constrain.coordinate import bounded_rows
 from plumbline.engine.constrain.direct import apply_all, assemble, factor, rate, solve
 from plumbline.engine.constrain.joint_rows import equality_rows
 from plumbline.engine.constrain.reactions import add_reactions
@@ -75,7 +75,7 @@ def project(bodies: Bodies, joints: Joints, rows: Rows, change: Floats, dt: floa
     for r in range(n):
         if rows.row[r, at.SOFTNESS] > 0.0:
             rows.row[r, at.BIAS] = -rate(bodies.state, rows, r)
-    every = implicit_rows(bodies.state, joints, rows, n, dt)
+    every = bounded_rows(bodies.state, joints, rows, n, dt, stiff_alone=True)
     assemble(rows, every, bodies)
     solve_bounded(bodies, rows, n, every, NEW)
     add_reactions(joints, rows, every, at.IMPULSE, 1.0)

@@ -52,7 +52,7 @@ def solve_joints(bodies: Bodies, joints: Joints, rows: Rows, h: float) -> int:
     Returns: the number of equality rows, whose factor is at hand.
     """
     equalities = equality_rows(bodies.state, joints, rows)
-    n = bounded_rows(bodies.state, joints, rows, equalities, h)
+    n = bounded_rows(bodies.state, joints, rows, equalities, h, stiff_alone=False)
     assemble(rows, n, bodies)
     solve_bounded(bodies, rows, equalities, n, NEW)
     add_reactions(joints, rows, n, at.IMPULSE, 1.0)

@@ -1,7 +1,7 @@
 """Joints between two bodies, described in the world frame at the initial pose."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from plumbline.engine.describe.check import direction, finite, not_negative, number
@@ -96,56 +96,52 @@ class Ball:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Revolute:
+class _Scalar:
+    """A joint with one coordinate; `position` is the coordinate in the initial pose, armature of a rotor that turns with it."""
+
+    name: str
+    parent: str
+    child: str
+    anchor_W: Sequence[float]
+    axis_W: Sequence[float]
+    position: float = 0.0
+    limits: Limits | None = None
+    spring: Spring | None = None
+    drive: Drive | None = None
+    armature: float = 0.0
+    friction_loss: float = 0.0
+    speed_limit: float = math.inf
+    coupling: Coupling | None = None
+    collide: bool = False
+
+    def __post_init__(self) -> None:
+        label = f"joint '{self.name}'"
+        finite(label, "anchor_W", self.anchor_W, (3,), "m")
+        direction(label, "axis_W", self.axis_W)
+        finite(label, "position", self.position, (), "rad or m")
+        not_negative(label, "armature", self.armature, "kg m2 or kg")
+        not_negative(label, "friction_loss", self.friction_loss, "N m or N")
+        if not number(label, "speed_limit", self.speed_limit) > 0:
+            raise ValueError(f"{label}: speed_limit {self.speed_limit}, expected above 0")
+
+
+class Revolute(_Scalar):
     """Rotation about an axis alone; `position` [rad] is the coordinate in the initial pose.
 
     Terms: armature [kg m2]: of a rotor that turns with the coordinate. friction_loss [N m]: bound of a dry friction along it.
     speed_limit [rad/s]: the most that the coordinate's rate may be, either way. coupling: to another joint's coordinate.
     """
 
-    name: str
-    parent: str
-    child: str
-    anchor_W: Sequence[float]
-    axis_W: Sequence[float]
-    position: float = 0.0
-    limits: Limits | None = None
-    spring: Spring | None = None
-    drive: Drive | None = None
-    armature: float = 0.0
-    friction_loss: float = 0.0
-    speed_limit: float = math.inf
-    coupling: Coupling | None = None
-    collide: bool = False
-
-    def __post_init__(self) -> None:
-        _check_coordinate(self)
+    __slots__ = ()
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Prismatic:
+class Prismatic(_Scalar):
     """Translation along an axis of the parent alone; `position` [m] is the coordinate in the initial pose.
 
     Terms: armature [kg], friction_loss [N], speed_limit [m/s], coupling: as of `Revolute`.
     """
 
-    name: str
-    parent: str
-    child: str
-    anchor_W: Sequence[float]
-    axis_W: Sequence[float]
-    position: float = 0.0
-    limits: Limits | None = None
-    spring: Spring | None = None
-    drive: Drive | None = None
-    armature: float = 0.0
-    friction_loss: float = 0.0
-    speed_limit: float = math.inf
-    coupling: Coupling | None = None
-    collide: bool = False
-
-    def __post_init__(self) -> None:
-        _check_coordinate(self)
+    __slots__ = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -168,16 +164,25 @@ class Distance:
             raise ValueError(f"joint '{self.name}': both anchors lie at {a.tolist()} m, expected a distance above 0")
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Tendon:
+    """A length l = sum of arm x over coordinates x of joints with one, and what acts along it: a force f is arm f on each.
+
+    Terms: arms: by the name of a joint [m/rad or 1]. limits, spring, drive: of the length, as a joint has them.
+    """
+
+    name: str
+    arms: Mapping[str, float]
+    limits: Limits | None = None
+    spring: Spring | None = None
+    drive: Drive | None = None
+
+    def __post_init__(self) -> None:
+        if not self.arms:
+            raise ValueError(f"tendon '{self.name}': no arms, expected at least one")
+        for joint, arm in self.arms.items():
+            if finite(f"tendon '{self.name}'", f"arm of '{joint}'", arm, (), "m/rad or 1") == 0:
+                raise ValueError(f"tendon '{self.name}': arm of '{joint}' {arm}, expected another than 0")
+
+
 Joint = Fixed | Ball | Revolute | Prismatic | Distance
-
-
-def _check_coordinate(joint: Revolute | Prismatic) -> None:
-    """Raises: ValueError if a number of a joint with one coordinate is none, or out of its range."""
-    label = f"joint '{joint.name}'"
-    finite(label, "anchor_W", joint.anchor_W, (3,), "m")
-    direction(label, "axis_W", joint.axis_W)
-    finite(label, "position", joint.position, (), "rad or m")
-    not_negative(label, "armature", joint.armature, "kg m2 or kg")
-    not_negative(label, "friction_loss", joint.friction_loss, "N m or N")
-    if not number(label, "speed_limit", joint.speed_limit) > 0:
-        raise ValueError(f"{label}: speed_limit {joint.speed_limit}, expected above 0")

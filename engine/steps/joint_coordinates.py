@@ -1,27 +1,17 @@
 """Steps of worlds without contact whose joints make trees, in joint coordinates, one entry for each integrator."""
 
-import numpy as np
-
+from plumbline.engine.articulated import runge_kutta as trees
 from plumbline.engine.articulated.advance import is_finite_forest, write_state
 from plumbline.engine.articulated.bases import carry_bases, take_jumps
 from plumbline.engine.articulated.column_momenta import begin_column_momenta, rates_of_momenta
-from plumbline.engine.articulated.dormand_prince import dormand_prince as dormand_prince_tree
 from plumbline.engine.articulated.implicit_midpoint import implicit_midpoint as implicit_midpoint_tree
 from plumbline.engine.articulated.momenta import begin_momenta, damp_over, write_kept_velocities
-from plumbline.engine.articulated.runge_kutta import (
-    RK4_STAGES,
-    ends_with_laws,
-    mark_stiff_columns,
-    room_for_trials,
-    runge_kutta,
-)
 from plumbline.engine.articulated.semi_implicit_euler import semi_implicit_euler
 from plumbline.engine.articulated.tables import tables_of
 from plumbline.engine.compile.jit import entry
 from plumbline.engine.constrain.reactions import clear_reactions
-from plumbline.engine.integrate.dormand_prince import LENGTH, STAGES, Trial, dormand_prince
 from plumbline.engine.integrate.implicit_midpoint import implicit_midpoint
-from plumbline.engine.integrate.runge_kutta import runge_kutta_free
+from plumbline.engine.integrate.runge_kutta import LENGTH, RK4_STAGES, STAGES, dormand_prince, room_for_trials, runge_kutta_free
 from plumbline.engine.integrate.semi_implicit_euler import drift_free
 from plumbline.engine.maths.rows import Floats, Ints
 from plumbline.engine.memory import arena as at
@@ -75,7 +65,7 @@ def step_joint_coordinates_midpoint(floats: Floats, ints: Ints, steps: int) -> t
     h, done, status = setting[0, at.DT] / substeps, 0, DONE
     if take_jumps(tables, bodies, joints) or count[0, at.STEPS] == 0:
         begin_column_momenta(tables, bodies, joints, setting, gyroscopic)
-    ends = ends_with_laws(tables, joints)
+    ends = trees.ends_with_laws(tables, joints)
     clear_reactions(joints)
     while done < steps and status == DONE:
         done += 1
@@ -107,15 +97,14 @@ def step_joint_coordinates_adaptive(floats: Floats, ints: Ints, steps: int) -> t
     principal = floats_of(floats, ints, at.PRINCIPAL)
     substeps, gyroscopic = count[0, at.SUBSTEPS], count[0, at.GYROSCOPIC]
     h, done, status = setting[0, at.DT] / substeps, 0, DONE
-    trial = room_for_trials(tables, joints, STAGES)
-    free = Trial(np.zeros((1, LENGTH)), np.zeros((1, LENGTH)), np.zeros((STAGES, LENGTH)))
+    trial, free = trees.room_for_trials(tables, STAGES), room_for_trials(LENGTH, STAGES)
     take_jumps(tables, bodies, joints)
-    ends = ends_with_laws(tables, joints)
+    forest = trees.forest_of(tables, bodies, joints, setting, gyroscopic)
     while done < steps and status == DONE:
         done += 1
         clear_reactions(joints)
         for _ in range(substeps):
-            if status == DONE and not dormand_prince_tree(tables, bodies, joints, setting, h, gyroscopic, ends, trial):
+            if status == DONE and not trees.dormand_prince(h, forest, trial):
                 status = UNSOLVED
             for n in range(tables.other.shape[0]):
                 b = tables.other[n, 0]
@@ -137,15 +126,15 @@ def step_joint_coordinates_runge_kutta(floats: Floats, ints: Ints, steps: int) -
     bodies, joints, tables = bodies_of(floats, ints), joints_of(floats, ints), tables_of(floats, ints)
     setting, count = floats_of(floats, ints, at.SETTING), ints_of(ints, at.COUNT)
     dt, gyroscopic = setting[0, at.DT], count[0, at.GYROSCOPIC]
-    done, status, trial = 0, DONE, room_for_trials(tables, joints, RK4_STAGES)
+    done, status, trial = 0, DONE, trees.room_for_trials(tables, RK4_STAGES)
     if count[0, at.STEPS] == 0 and steps > 0:
-        mark_stiff_columns(tables, bodies, joints, dt)
+        trees.mark_stiff_columns(tables, bodies, joints, dt)
     take_jumps(tables, bodies, joints)
-    ends = ends_with_laws(tables, joints)
+    forest = trees.forest_of(tables, bodies, joints, setting, gyroscopic)
     while done < steps and status == DONE:
         done += 1
         clear_reactions(joints)
-        if not runge_kutta(tables, bodies, joints, setting, dt, gyroscopic, ends, trial):
+        if not trees.runge_kutta(dt, forest, trial):
             status = UNSOLVED
         for n in range(tables.other.shape[0]):
             b = tables.other[n, 0]

@@ -172,10 +172,6 @@ def test_a_concept_that_is_missing_or_told_twice_is_seen() -> None:
 @pytest.mark.parametrize(
     ("concepts", "lost"),
     [
-        (
-            ["adaptive Dormand-Prince", "variable step", "adaptive Dormand-Prince in joint coordinates"],
-            ["engine/integrate/dormand_prince.py"],
-        ),
         (["implicit midpoint"], ["engine/integrate/implicit_midpoint.py"]),
         (["event-driven collision"], ["engine/respond/events.py"]),
     ],

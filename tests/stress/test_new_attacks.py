@@ -34,7 +34,7 @@ from plumbline.harness.run.cluster.cells import Answered
 from plumbline.harness.run.cluster.workplace import _stored
 from plumbline.harness.run.fork_servers import Origin
 from plumbline.harness.run.fork_servers import start as start_process
-from plumbline.harness.scene.importers.commands import read_log
+from plumbline.harness.scene.importers.replay import read_log
 from plumbline.harness.store import disk, journal
 from plumbline.harness.store.imported_scenes import states_of
 from plumbline.harness.store.journal import DamagedFile, StoreError

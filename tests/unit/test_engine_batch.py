@@ -9,7 +9,7 @@ import pytest
 
 from plumbline import engine
 from plumbline.engine.compile.jit import cache_directory, linker
-from plumbline.engine.integrate import explicit_euler
+from plumbline.engine.integrate import runge_kutta
 from plumbline.engine.steps import many_worlds
 from tests.forks import Fork
 
@@ -221,9 +221,9 @@ def made(): return engine.World([engine.Body(p_WB=(0, 0, 1))], options=engine.Op
 def test_a_world_alone_finds_the_step_that_a_batch_has_compiled(tmp_path: Path, fork: Fork) -> None:
     """Each in a process of its own; asked for under another signature, the same step would be compiled and kept twice."""
     engine.Batch([engine.World([engine.Body()], options=engine.Options(integrator="explicit_euler"))]).step()
-    for module in (many_worlds, explicit_euler):
+    for module in (many_worlds, runge_kutta):
         kept = cache_directory(Path(module.__file__))
         shutil.copytree(kept, tmp_path / kept.name)
     for what in ("engine.Batch([made(), made()])", "made()"):
         fork(MADE + f"{what}.step()", PLUMBLINE_KERNEL_CACHE=str(tmp_path))
-        assert len([*tmp_path.rglob("explicit_euler.step_*.nbc")]) == 1
+        assert len([*tmp_path.rglob("runge_kutta.step_*.nbc")]) == 1

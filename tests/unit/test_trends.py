@@ -13,10 +13,9 @@ from plumbline.harness.findings.changes import Change
 from plumbline.harness.history.folder import History
 from plumbline.harness.history.identity import Named
 from plumbline.harness.history.readings import NightOf
-from plumbline.harness.history.regressions import Trends, date, read_trends
+from plumbline.harness.history.regressions import FEWEST, Trends, date, read_trends
 from plumbline.harness.history.retention import problems_of
 from plumbline.harness.history.series import Series, yardsticks
-from plumbline.harness.history.slow_drift import FEWEST
 from plumbline.harness.history.steps import CHANCE_OF_ALL, PriceStep, price_steps
 from plumbline.harness.store import store
 from plumbline.harness.store.journal import Written, read_written

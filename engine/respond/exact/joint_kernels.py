@@ -13,7 +13,7 @@ def write_joint_rows(floats: Floats, ints: Ints, h: float) -> tuple[int, int]:
     """Write the rows of all joints for the present pose, over h seconds. Returns: how many are equalities, and of all."""
     bodies, joints, rows = bodies_of(floats, ints), joints_of(floats, ints), rows_of(floats, ints)
     equalities = equality_rows(bodies.state, joints, rows)
-    return equalities, bounded_rows(bodies.state, joints, rows, equalities, h)
+    return equalities, bounded_rows(bodies.state, joints, rows, equalities, h, stiff_alone=False)
 
 
 @entry

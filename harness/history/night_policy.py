@@ -167,9 +167,9 @@ class Steering(Guide):
         before = self.searched.last_answer(trial)
         if before is None or before.motion != trial.motion or computed_again(trial.trial, self.seed):
             return None
-        found = self._pooled(trial, before.trial)
-        kept = None if found is None else found.trajectory_hash
-        return found if kept is not None and self.pool.lay(self._path(kept)) else None
+        last = self._pooled(trial, before.trial)
+        kept = None if last is None else last.trajectory_hash
+        return last if kept is not None and self.pool.lay(self._path(kept)) else None
 
     def answered(self, trial: Trial, record: Record) -> Record:
         """Keep an answer in the pool, compare it with what was known, and say whether its trajectory stays."""

@@ -53,7 +53,7 @@ def kept_answers(journal: Journal, trials: Iterable[Trial], guide: Guide) -> dic
         record.motion: record for record in journal.written.lost.values() if record.trajectory_hash and record.trajectory_kept
     }
     plain = (trial for trial in trials if trial.trial not in journal.records and judged_alone(trial))
-    return {trial.trial: known for trial in plain if (known := lost.get(trial.motion) or guide.alike(trial)) is not None}
+    return {trial.trial: earlier for trial in plain if (earlier := lost.get(trial.motion) or guide.alike(trial)) is not None}
 
 
 def judged_alone(trial: Trial) -> bool:

@@ -246,10 +246,10 @@ def _take(chain: LineChain[Any], number: int, line: bytes, *, last: bool) -> boo
         what = f"line {number}{', the last,' if last else ''} is corrupt (its checksum differs)"
         raise DamagedFile(path, what, f"{cure}, or start a new folder")
     try:
-        told = json.loads(text)
-        if isinstance(told, dict) and isinstance(told.get("schema"), int):
-            check_schema(path, told["schema"], f"line {number} ")
-        entry = checked(JournalLine, told, "line")
+        mapping = json.loads(text)
+        if isinstance(mapping, dict) and isinstance(mapping.get("schema"), int):
+            check_schema(path, mapping["schema"], f"line {number} ")
+        entry = checked(JournalLine, mapping, "line")
         if amiss := _amiss(chain, entry):
             raise ValueError(amiss)
         if entry.kind in CONTENTS:

@@ -98,15 +98,15 @@ class Trial:
 
     def record(self, answer: Answer) -> Record:
         """What is kept of it with what came of it."""
-        told: dict[str, Any] = {
+        in_words: dict[str, Any] = {
             "experiment": self.experiment.name,
             "base": self.base or self.track,
             "dt": self.settings.dt,
             "settings": self.settings.plain(),
             "alteration": self.alteration.plain(),
         }
-        alike = {each.name: getattr(self, each.name) for each in fields(Asked) if each.name not in told}
-        return Record(**alike, **told, **{each.name: getattr(answer, each.name) for each in fields(Answer)})
+        alike = {each.name: getattr(self, each.name) for each in fields(Asked) if each.name not in in_words}
+        return Record(**alike, **in_words, **{each.name: getattr(answer, each.name) for each in fields(Answer)})
 
     def probing(self, case: Case, **changes: Any) -> "Trial":
         """Another trial of a search, with other parameters, settings or alteration; its name follows from all of them."""

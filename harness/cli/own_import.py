@@ -11,7 +11,7 @@ from plumbline.harness.cli.robot_options import imported_from, is_robot
 
 if TYPE_CHECKING:
     from plumbline.harness.scene import Scene
-    from plumbline.harness.scene.importers.imported import Imported
+    from plumbline.harness.scene.importers.fidelity import Imported
     from plumbline.harness.scene.importers.replay import Log
 
 

@@ -16,7 +16,7 @@ from plumbline.harness.intake.import_wishes import DROPPABLE, SCENARIOS, STARTS,
 from plumbline.harness.intake.safe_text import quoted
 
 if TYPE_CHECKING:
-    from plumbline.harness.scene.importers.imported import Imported
+    from plumbline.harness.scene.importers.fidelity import Imported
 
 
 class LeftOutKind(click.ParamType[str]):

@@ -295,8 +295,8 @@ def _spring(c: Coordinate | Cord) -> Spring | None:
 def _drive(c: Coordinate | Cord) -> Drive | None:
     if c.servo is None:
         return None
-    said = {field.name: getattr(c.servo, field.name) for field in fields(Drive)}
-    return Drive(**said | {"feedforward": c.servo.feedforward or None})
+    numbers = {field.name: getattr(c.servo, field.name) for field in fields(Drive)}
+    return Drive(**numbers | {"feedforward": c.servo.feedforward or None})
 
 
 def _closure(

@@ -228,8 +228,8 @@ class Need:
     @classmethod
     def of(cls, kind: Drop, element: str, names: Iterable[str], size: str = "") -> "list[Need]":
         """What these elements need; nothing where there are none."""
-        made = cls(kind=kind, element=element, names=tuple(names), size=size)
-        return [made] if made.names else []
+        need = cls(kind=kind, element=element, names=tuple(names), size=size)
+        return [need] if need.names else []
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

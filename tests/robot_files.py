@@ -5,8 +5,7 @@ from pathlib import Path
 from plumbline.harness.intake.import_wishes import Wishes
 from plumbline.harness.scene import Revolute
 from plumbline.harness.scene.importers.companion import Companion
-from plumbline.harness.scene.importers.fidelity import Fidelity
-from plumbline.harness.scene.importers.imported import Imported
+from plumbline.harness.scene.importers.fidelity import Fidelity, Imported
 from plumbline.harness.scene.importers.reading import read
 
 INERTIAL = '<inertial><mass value="2"/><inertia ixx="0.02" ixy="0" ixz="0" iyy="0.03" iyz="0" izz="0.04"/></inertial>'

@@ -109,6 +109,7 @@ def _body_damping(port: Port, body: int, scalar: list[int]) -> tuple[Own, ...]:
 
 def _stepped(port: Port, body: int, k: int, rate: float, scalar: list[int]) -> tuple[float, float, float]:
     """The rate of a joint and its motor's torque [N m or N] a step [s] after it alone had this rate, all at zero positions."""
+    port.call("resetBaseVelocity", body, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
     for joint in scalar:
         port.call("resetJointState", body, joint, 0.0, rate if joint == k else 0.0)
     port.call("setGravity", 0.0, 0.0, 0.0)

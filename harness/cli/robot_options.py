@@ -17,7 +17,7 @@ from plumbline.harness.intake.safe_text import quoted
 
 if TYPE_CHECKING:
     from plumbline.harness.scene import Scene
-    from plumbline.harness.scene.importers.imported import Imported
+    from plumbline.harness.scene.importers.fidelity import Imported
     from plumbline.harness.scene.importers.replay import Log
 
 

@@ -13,7 +13,7 @@ from plumbline.harness.cli.robot_options import imported_from, robot_options
 
 if TYPE_CHECKING:
     from plumbline.harness.scene import Scene
-    from plumbline.harness.scene.importers.imported import Imported
+    from plumbline.harness.scene.importers.fidelity import Imported
 
 _file = click.argument("file", type=click.Path(path_type=Path))
 

@@ -20,8 +20,7 @@ from plumbline.harness.case.undropped import OWN
 from plumbline.harness.case.undropped import beside as undropped_beside
 from plumbline.harness.scene import PlacedShape
 from plumbline.harness.scene.file import dump_toml
-from plumbline.harness.scene.importers.fidelity import plain
-from plumbline.harness.scene.importers.imported import Imported
+from plumbline.harness.scene.importers.fidelity import Imported, plain
 from plumbline.harness.scene.importers.replay import Log
 from plumbline.harness.store import disk
 from plumbline.harness.store.journal import DamagedFile, refuse_links

@@ -10,7 +10,7 @@ from pydantic import TypeAdapter
 
 from plumbline.harness.adapter import Unsupported
 from plumbline.harness.cli.main import main
-from plumbline.harness.intake.import_wishes import Wishes
+from plumbline.harness.intake.import_wishes import Root, Wishes
 from plumbline.harness.run.importer_audit import Answer, loaded_apart, loader_answer
 from plumbline.harness.scene.parity.canonical import Canonical, canonical, stated
 from plumbline.harness.scene.parity.comparison import compare
@@ -222,6 +222,17 @@ def test_what_a_loader_gives_shapes_of_its_own_is_a_row_and_no_difference(
     path.write_text(BOX.format("continuous"))
     own = {each.quantity: each.values for each in loaded_here(engine, Request(), path).own}
     assert {quantity: own[quantity] for quantity in given} == {quantity: (value,) for quantity, value in given.items()}
+
+
+@pytest.mark.parametrize("root", ["fixed", "floating"])
+def test_what_bullet_adds_to_an_arm_is_measured_whether_its_root_moves_or_not(root: Root, tmp_path: Path) -> None:
+    """Of three joints one after the other: no motion is left over from one to the next."""
+    pytest.importorskip("pybullet")
+    path = tmp_path / "arm.urdf"
+    path.write_text(URDF)
+    own = loaded_here("bullet", Request(way=FROM_FILE, root=root), path).own
+    added = [(each.quantity.partition(" ")[0], each.values, each.unit) for each in own]
+    assert added == [("motor", (1.0,), "N m s"), ("motor", (1.0,), "N s"), ("damping", (0.04,), "1/s")]
 
 
 @pytest.mark.slow

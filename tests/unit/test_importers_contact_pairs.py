@@ -9,7 +9,7 @@ import pytest
 from plumbline.harness.intake.import_wishes import Wishes
 from plumbline.harness.scene import Revolute, rotate
 from plumbline.harness.scene.importers.companion import Companion, Massless
-from plumbline.harness.scene.importers.imported import Imported
+from plumbline.harness.scene.importers.fidelity import Imported
 from plumbline.harness.scene.importers.reading import read
 from plumbline.harness.study import plugins
 from plumbline.harness.trajectory import State

@@ -11,7 +11,7 @@ from plumbline.harness.intake.error import RobotError
 from plumbline.harness.intake.import_wishes import Wishes
 from plumbline.harness.scene import Camera, DepthCamera, Imu, Lidar, Prismatic, Revolute, rotate
 from plumbline.harness.scene.importers.companion import Companion, Ground
-from plumbline.harness.scene.importers.imported import Imported
+from plumbline.harness.scene.importers.fidelity import Imported
 from plumbline.harness.scene.importers.reading import read
 from plumbline.harness.scene.parity.canonical import pair_of
 from plumbline.harness.scene.parity.comparison import compare

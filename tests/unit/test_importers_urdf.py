@@ -15,7 +15,7 @@ from plumbline.harness.intake.import_wishes import Wishes
 from plumbline.harness.scene import Box, ConvexHull, Coupling, Prismatic, Revolute
 from plumbline.harness.scene.importers import reading
 from plumbline.harness.scene.importers.companion import Companion, Drives, JointWish, Massless
-from plumbline.harness.scene.importers.imported import Imported
+from plumbline.harness.scene.importers.fidelity import Imported
 from plumbline.harness.scene.importers.joint_tree import tree_of
 from plumbline.harness.scene.importers.kinematics import posed
 from plumbline.harness.scene.importers.materials import laws_of

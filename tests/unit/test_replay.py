@@ -20,7 +20,7 @@ from plumbline.harness.run.campaign import carry_out
 from plumbline.harness.scene import Body, Drive, Prismatic, Revolute, Samples, Scene, Sinusoid
 from plumbline.harness.scene.file import dump_toml, load, parse
 from plumbline.harness.scene.importers.companion import beside, load_companion
-from plumbline.harness.scene.importers.imported import Imported
+from plumbline.harness.scene.importers.fidelity import Imported
 from plumbline.harness.scene.importers.reading import read
 from plumbline.harness.scene.importers.replay import Gains, load_commands, read_log, recorded, replayed
 from plumbline.harness.scene.importers.start_pose import started_at

@@ -27,7 +27,7 @@ from plumbline.harness.scene import (
 )
 from plumbline.harness.scene.file import dump_toml
 from plumbline.harness.scene.importers.companion import Cameras, Companion
-from plumbline.harness.scene.importers.imported import Imported
+from plumbline.harness.scene.importers.fidelity import Imported
 from plumbline.harness.study import plugins
 from plumbline.harness.study.experiment import Experiment
 from plumbline.harness.study.trial import Trial

@@ -129,37 +129,25 @@ def consequences(bodies: Sequence[Massive], dropped: Omissions) -> list[Fidelity
 
 
 def _carried(scalars: Sequence[Coordinate], law: str, element: str) -> list[Fidelity]:
-    having = [c.name for c in scalars if getattr(c, law) > 0]
-    return Fidelity.exact(element, having, law) if having else []
+    return Fidelity.exact(element, [c.name for c in scalars if getattr(c, law) > 0], law)
 
 
 def _armature(scalars: Sequence[Coordinate], held: Mapping[str, float]) -> list[Fidelity]:
-    having = [c for c in scalars if c.armature > 0]
-    if not having:
-        return []
-    worst = max(having, key=lambda c: c.armature / held[c.name])
-    return Fidelity.left_out(
-        "armature",
-        [c.name for c in having],
-        f"joints turn more readily than with their rotors; the inertia about '{worst.name}', the others held, "
-        "should be greater by a factor of",
-        value=1 + worst.armature / held[worst.name],
-        unit="1",
+    shares = {c.name: c.armature / held[c.name] for c in scalars if c.armature > 0}
+    worst = max(shares, key=lambda name: shares[name], default="")
+    words = (
+        f"joints turn more readily than with their rotors; the inertia about '{worst}', the others held, should be greater by "
+        "a factor of"
     )
+    return Fidelity.left_out("armature", list(shares), words, value=1 + shares.get(worst, 0.0), unit="1")
 
 
 def _dry(scalars: Sequence[Coordinate]) -> list[Fidelity]:
     having = [c for c in scalars if c.friction_loss > 0]
-    if not having:
-        return []
-    most = max(having, key=lambda c: c.friction_loss)
-    return Fidelity.left_out(
-        "friction loss",
-        [c.name for c in having],
-        f"joints move where dry friction would hold or brake them; the largest is that of '{most.name}'",
-        value=most.friction_loss,
-        unit="N m" if most.kind == "revolute" else "N",
-    )
+    most = max(having, key=lambda c: c.friction_loss, default=Coordinate(name="", kind="revolute"))
+    words = f"joints move where dry friction would hold or brake them; the largest is that of '{most.name}'"
+    unit = "N m" if most.kind == "revolute" else "N"
+    return Fidelity.left_out("friction loss", [c.name for c in having], words, value=most.friction_loss, unit=unit)
 
 
 def _stiff(scalars: Sequence[Coordinate], M: Array, places: Array) -> list[Fidelity]:
@@ -172,17 +160,9 @@ def _stiff(scalars: Sequence[Coordinate], M: Array, places: Array) -> list[Fidel
         return []
     rates = {c.name: c.damping * float(inverse[k, k]) for c, k in damped}
     stiff = [name for name, rate in rates.items() if not rate <= STIFF_RATE]
-    if not stiff:
-        return []
-    worst = max(stiff, key=lambda name: rates[name])
-    return Fidelity.exact(
-        "damping",
-        stiff,
-        "damping",
-        consequence=f"an explicit integrator explodes or needs steps below 2 over the rate; the highest is that of '{worst}'",
-        value=rates[worst],
-        unit="1/s",
-    )
+    worst = max(stiff, key=lambda name: rates[name], default="")
+    words = f"an explicit integrator explodes or needs steps below 2 over the rate; the highest is that of '{worst}'"
+    return Fidelity.exact("damping", stiff, "damping", consequence=words, value=rates.get(worst), unit="1/s")
 
 
 def _added(without: Sequence[Massive], held: Mapping[str, float]) -> tuple[str, float | None]:

@@ -1,7 +1,7 @@
 """A settled robot as a scene: merged groups are bodies at their centres of mass, coordinates are joints, in W at time 0."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
@@ -293,18 +293,10 @@ def _spring(c: Coordinate | Cord) -> Spring | None:
 
 
 def _drive(c: Coordinate | Cord) -> Drive | None:
-    s = c.servo
-    if s is None:
+    if c.servo is None:
         return None
-    return Drive(
-        stiffness=s.stiffness,
-        damping=s.damping,
-        target=s.target,
-        target_velocity=s.target_velocity,
-        limit=s.limit,
-        motion=s.motion,
-        feedforward=s.feedforward or None,
-    )
+    numbers = {field.name: getattr(c.servo, field.name) for field in fields(Drive)}
+    return Drive(**numbers | {"feedforward": c.servo.feedforward or None})
 
 
 def _closure(

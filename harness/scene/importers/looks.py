@@ -1,4 +1,4 @@
-"""How a robot looks: what its file draws of each link, meshes coarsened to what a picture shows, on the bodies of the scene.
+"""What rides on the bodies of a robot's scene: sensors, and how it looks, meshes coarsened to what a picture shows.
 
 A coarse mesh has its vertices moved to the middle of those in the same cell of a grid, and the triangles that are left.
 Source: Rossignac, Borrel, Multi-resolution 3D approximations for rendering complex scenes (1993): vertex clustering.
@@ -11,10 +11,11 @@ import numpy as np
 import numpy.typing as npt
 
 from plumbline.harness.intake.error import RobotError, listed
-from plumbline.harness.scene import Appearance, Body, PlacedShape, Shape, TriangleMesh
+from plumbline.harness.intake.safe_text import quoted
+from plumbline.harness.scene import WORLD, Appearance, Body, PlacedShape, Sensor, Shape, TriangleMesh
 from plumbline.harness.scene.importers.fidelity import Fidelity
 from plumbline.harness.scene.importers.meshes import Mesh, load_mesh
-from plumbline.harness.scene.importers.poses import Array, Pose, pose, quaternion, vector
+from plumbline.harness.scene.importers.poses import IDENTITY, Array, Pose, pose, quaternion, vector
 from plumbline.harness.scene.importers.robot import Link, Look
 
 FACES = 1500
@@ -130,3 +131,30 @@ def _proper(vertices: Array, faces: npt.NDArray[np.int64], size: float) -> npt.N
     _, first = np.unique(np.sort(kept, axis=1), axis=0, return_index=True)
     distinct: npt.NDArray[np.int64] = kept[np.sort(first)]
     return distinct
+
+
+def mounted(
+    sensors: Iterable[Sensor], links: Mapping[str, str], at: Mapping[str, Pose], bodies: Iterable[Body], source: str
+) -> tuple[Sensor, ...]:
+    """The sensors on bodies.
+
+    Args:
+        sensors: their body names a link, their pose is in its frame. links: body by link; at: pose in W of each link.
+    Raises:
+        RobotError: a link that is none, or a name that stands twice.
+    """
+    own = {body.name: body for body in bodies}
+    made: list[Sensor] = []
+    for sensor in sensors:
+        if sensor.body not in links and sensor.body != WORLD:
+            raise RobotError(
+                f"{source}: sensor {quoted(sensor.name, 80)}: body {quoted(sensor.body, 80)} is no link of the robot, expected "
+                f"one of {listed(list(links), 12)}"
+            )
+        if any(other.name == sensor.name for other in made):
+            raise RobotError(f"{source}: sensor {quoted(sensor.name, 80)} stands twice, expected names, each once")
+        body = links.get(sensor.body, WORLD)
+        X_WL, X_WB = at.get(sensor.body, IDENTITY), pose(own[body].p_WB, own[body].q_WB) if body in own else IDENTITY
+        X_BS = X_WB.inverse() @ X_WL @ pose(sensor.p_BS, sensor.q_BS)
+        made.append(replace(sensor, body=body, p_BS=vector(X_BS.p), q_BS=quaternion(X_BS.R)))
+    return tuple(made)

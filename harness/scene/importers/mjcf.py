@@ -168,14 +168,12 @@ def _coordinate(
     armature = float(model.dof_armature[here].max())
     friction_loss = 0.0 if model.flag("frictionloss") else float(model.dof_frictionloss[here].max())
     if model.jnt_stiffnesspoly[j].any() or model.dof_dampingpoly[here].any() or model.jnt_springyield[j].any():
-        needs.append(Need(kind="nonlinear", element="joint", names=(name,)))
+        needs += Need.of("nonlinear", "joint", (name,))
     where = f"{source}: <joint> {quoted(name, 80)}"
     if kind in ("free", "ball"):
         if damping > 0 or stiffness > 0 or limited:
             words = [w for w, is_so in (("damping", damping > 0), ("stiffness", stiffness > 0), ("range", limited)) if is_so]
-            needs.append(
-                Need(kind="ball_spring", element="joint", names=(name,), size=f"{' and '.join(words)} of a {kind} joint")
-            )
+            needs += Need.of("ball_spring", "joint", (name,), f"{' and '.join(words)} of a {kind} joint")
         return Coordinate(
             name=name,
             kind=kind,
@@ -233,14 +231,14 @@ def _closures(model: Model, names: list[str], rows: list[Fidelity], needs: list[
         if word == "joint":
             continue
         if word not in ("connect", "weld"):
-            needs.append(Need(kind="equality", element="equality", names=(name,), size=f"of kind {word}"))
+            needs += Need.of("equality", "equality", (name,), f"of kind {word}")
             continue
         a, b, data = int(model.eq_obj1id[k]), int(model.eq_obj2id[k]), model.eq_data[k]
         if model.word("Obj", int(model.eq_objtype[k])) == "site":
             p_A, p_B = model.site_pos[a], model.site_pos[b]
             a, b = int(model.site_bodyid[a]), int(model.site_bodyid[b])
             if word == "weld":
-                needs.append(Need(kind="equality", element="equality", names=(name,), size="a weld of two sites"))
+                needs += Need.of("equality", "equality", (name,), "a weld of two sites")
                 continue
         else:
             p_A, p_B = (data[:3], data[3:6]) if word == "connect" else (data[3:6], data[:3])
@@ -279,8 +277,7 @@ def _tied(model: Model, links: tuple[Link, ...], needs: list[Need]) -> tuple[Lin
         a, b, terms = int(model.eq_obj1id[k]), int(model.eq_obj2id[k]), [float(c) for c in model.eq_data[k][:5]]
         ends = {model.name("joint", j) for j in (a, b)} if b >= 0 else set()
         if len(ends) < 2 or not ends <= single or any(terms[2:]) or terms[1] == 0 or model.name("joint", a) in ties:
-            name = model.name("equality", int(k))
-            needs.append(Need(kind="equality", element="equality", names=(name,), size="of joints that is no line"))
+            needs += Need.of("equality", "equality", (model.name("equality", int(k)),), "of joints that is no line")
             continue
         x_0, y_0 = (float(model.qpos0[model.jnt_qposadr[j]]) for j in (a, b))
         ties[model.name("joint", a)] = Tie(
@@ -300,19 +297,13 @@ def _others(model: Model, text: Prepared, springs: Container[int]) -> list[Need]
         for k in range(len(model.tendon_limited))
         if k not in springs and (mjcf_actuators.pulls(model, k) or model.tendon_limited[k])
     ]
-    if active:
-        needs.append(Need(kind="tendon", element="tendon", names=tuple(active)))
-    lifted = [model.name("body", k) for k in np.flatnonzero(model.body_gravcomp)]
-    if lifted:
-        needs.append(Need(kind="gravity_compensation", element="body", names=tuple(lifted)))
+    needs += Need.of("tendon", "tendon", active)
+    needs += Need.of("gravity_compensation", "body", (model.name("body", k) for k in np.flatnonzero(model.body_gravcomp)))
     if model.opt_density > 0 or model.opt_viscosity > 0:
         size = f"of density {float(model.opt_density):g} kg/m3 and viscosity {float(model.opt_viscosity):g} Pa s"
-        needs.append(Need(kind="fluid", element="option", names=("medium",), size=size))
-    sticky = [model.name("geom", k) for k in np.flatnonzero(model.geom_adhesion)]
-    sticky += [model.name("geom", k) for k in np.flatnonzero(model.geom_surfacevel.any(axis=1))]
-    if sticky:
-        needs.append(Need(kind="adhesion", element="geom", names=tuple(sticky)))
-    return needs
+        needs += Need.of("fluid", "option", ("medium",), size)
+    sticky = [*np.flatnonzero(model.geom_adhesion), *np.flatnonzero(model.geom_surfacevel.any(axis=1))]
+    return needs + Need.of("adhesion", "geom", (model.name("geom", k) for k in sticky))
 
 
 def _beside(model: Model, text: Prepared, cords: Container[int]) -> list[Fidelity]:

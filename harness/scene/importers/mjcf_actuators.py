@@ -84,8 +84,7 @@ def read(model: Model, ctrl: Array) -> tuple[Servos, Servos, list[Fidelity], lis
         "a motor without a command has no force; a keyframe's ctrl is one, and so is a joint's feedforward "
         "in the companion file",
     )
-    needs = [Need(kind="actuator", element="actuator", names=tuple(strange))] if strange else []
-    return servos["joint"], servos["tendon"], rows, needs
+    return servos["joint"], servos["tendon"], rows, Need.of("actuator", "actuator", strange)
 
 
 def _pulled(model: Model, k: int) -> _Kind | None:

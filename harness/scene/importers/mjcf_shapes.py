@@ -54,8 +54,7 @@ def geometries(model: Model, keys: Mapping[int, str], rows: list[Fidelity], need
         consequence="Bullet has none, DART on planes, boxes and cylinders alone; the companion makes hulls of them by "
         "ellipsoids = 'polyhedra'",
     )
-    if strange:
-        needs.append(Need(kind="height_field", element="geom", names=tuple(strange)))
+    needs += Need.of("height_field", "geom", strange)
     return made
 
 

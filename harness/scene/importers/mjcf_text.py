@@ -33,7 +33,7 @@ _SUFFIX = re.compile(r"\.[A-Za-z0-9]{1,8}")
 @dataclass(slots=True)
 class Prepared:
     """Terms: text: of the model. assets: by flat names that are ours. lines: file and line of the original for each line of the
-    text. removed: by tag, how many were left out. plugins, flexes: names of what was taken out by the user's wish."""
+    text. removed: by tag, how many were left out. strange: names of what has no word in a scene, by what drops it."""
 
     text: str = ""
     assets: dict[str, bytes] = field(default_factory=dict)

@@ -17,17 +17,15 @@ from plumbline.harness.scene.importers import own, scenarios
 from plumbline.harness.scene.importers.companion import Base, Companion, beside, load_companion
 from plumbline.harness.scene.importers.consequences import consequences
 from plumbline.harness.scene.importers.decomposition import as_polyhedra
-from plumbline.harness.scene.importers.fidelity import Fidelity
+from plumbline.harness.scene.importers.fidelity import Fidelity, Imported
 from plumbline.harness.scene.importers.files import Folders, packages_above
-from plumbline.harness.scene.importers.imported import Imported
 from plumbline.harness.scene.importers.importer import Reading
 from plumbline.harness.scene.importers.joint_tree import Tree, tree_of
 from plumbline.harness.scene.importers.kinematics import Posed, Twist, posed
 from plumbline.harness.scene.importers.known import OWN_ENDINGS, importer_of, robot_endings
-from plumbline.harness.scene.importers.looks import coloured, drawn_bodies, looks_of
+from plumbline.harness.scene.importers.looks import coloured, drawn_bodies, looks_of, mounted
 from plumbline.harness.scene.importers.materials import Laws, laws_of, one_friction
 from plumbline.harness.scene.importers.merging import Group, check_masses, grouped
-from plumbline.harness.scene.importers.mounting import mounted
 from plumbline.harness.scene.importers.poses import IDENTITY, Array, Pose, pose, turn
 from plumbline.harness.scene.importers.replay import load_commands
 from plumbline.harness.scene.importers.robot import Robot

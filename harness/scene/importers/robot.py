@@ -8,7 +8,7 @@ after the other, each about an axis that the ones before it have moved:
 A link without coordinates is fixed to its parent.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from itertools import chain
 from pathlib import Path
@@ -224,6 +224,12 @@ class Need:
     element: str
     names: tuple[str, ...]
     size: str = ""
+
+    @classmethod
+    def of(cls, kind: Drop, element: str, names: Iterable[str], size: str = "") -> "list[Need]":
+        """What these elements need; nothing where there are none."""
+        need = cls(kind=kind, element=element, names=tuple(names), size=size)
+        return [need] if need.names else []
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -303,7 +303,7 @@ def _solid(placed: _Placed, X_ML: Pose, collisions: Collisions, needs: list[Need
         collisions.unsaid.append(link)
         return Solid(1.0, np.zeros(3), np.eye(3))
     if inertial.first("fluid_added_mass") is not None:
-        needs.append(Need(kind="fluid", element="fluid_added_mass", names=(link,)))
+        needs += Need.of("fluid", "fluid_added_mass", (link,))
     if inertial.attributes.get("auto", "").lower() in ("true", "1"):
         return collisions.filled(link, number(inertial, "density", 1000.0), inertial)
     mass = number(inertial, "mass", 1.0)
@@ -319,7 +319,7 @@ def _solid(placed: _Placed, X_ML: Pose, collisions: Collisions, needs: list[Need
 
 def _needs(links: dict[str, _Placed]) -> list[Need]:
     """What changes the motion and has no word in a scene. Raises: RobotError."""
-    needs, lifted, braked = list[Need](), list[str](), list[str]()
+    lifted, braked = list[str](), list[str]()
     for name, placed in links.items():
         if flag(placed.element, "kinematic"):
             raise placed.element.refuse("is kinematic: nothing says how it moves, expected a link that forces move")
@@ -328,11 +328,7 @@ def _needs(links: dict[str, _Placed]) -> list[Need]:
         decay = placed.element.first("velocity_decay")
         if any(number(decay, tag, 0.0) for tag in ("linear", "angular")):
             braked.append(name)
-    if lifted:
-        needs.append(Need(kind="gravity_compensation", element="link", names=tuple(lifted)))
-    if braked:
-        needs.append(Need(kind="fluid", element="velocity_decay", names=tuple(braked)))
-    return needs
+    return Need.of("gravity_compensation", "link", lifted) + Need.of("fluid", "velocity_decay", braked)
 
 
 def _rows(left: sdf_grammar.SdfLeft, others: list[str], links: dict[str, _Placed]) -> list[Fidelity]:

@@ -16,54 +16,59 @@ from plumbline.harness.scene.importers.xml_text import Element
 SMALLEST, FARTHEST = 1e-9, 1e6
 """Of shapes [m]: beyond them volumes and moments have no digits left."""
 VERSIONS = ("1.6", "1.7", "1.8", "1.9", "1.10", "1.11")
-_MOVES: Mapping[str, tuple[str, ...]] = MappingProxyType(
+
+
+@dataclass(frozen=True, slots=True)
+class _Form:
+    """What an element may say. Terms: moves: elements that say how a robot moves; still: that do not. words: attributes."""
+
+    moves: tuple[str, ...] = ()
+    still: tuple[str, ...] = ()
+    words: tuple[str, ...] = ()
+
+
+def _form(moves: str = "", still: str = "", words: str = "") -> _Form:
+    return _Form(tuple(moves.split()), tuple(still.split()), tuple(words.split()))
+
+
+_FORMS: Mapping[str, _Form] = MappingProxyType(
     {
-        "world": ("model", "gravity", "include", "joint", "frame"),
-        "model": ("link", "joint", "model", "frame", "pose", "static", "self_collide", "include"),
-        "link": ("inertial", "collision", "pose", "sensor", "gravity", "kinematic", "velocity_decay", "self_collide"),
-        "inertial": ("mass", "pose", "inertia", "density", "fluid_added_mass"),
-        "inertia": ("ixx", "ixy", "ixz", "iyy", "iyz", "izz"),
-        "collision": ("geometry", "pose", "surface", "density"),
-        "geometry": ("box", "sphere", "cylinder", "capsule", "ellipsoid", "mesh", "plane", "heightmap", "polyline", "image",
-                     "cone"),
-        "box": ("size",),
-        "sphere": ("radius",),
-        "cylinder": ("radius", "length"),
-        "capsule": ("radius", "length"),
-        "ellipsoid": ("radii",),
-        "mesh": ("uri", "scale", "submesh"),
-        "plane": ("normal", "size"),
-        "joint": ("parent", "child", "axis", "axis2", "pose", "gearbox_ratio", "thread_pitch", "screw_thread_pitch"),
-        "axis": ("xyz", "limit", "dynamics", "mimic", "use_parent_model_frame", "initial_position"),
-        "limit": ("lower", "upper", "effort", "velocity", "stiffness", "dissipation"),
-        "dynamics": ("damping", "friction", "spring_reference", "spring_stiffness"),
-        "mimic": ("multiplier", "offset", "reference"),
-        "frame": ("pose",),
-    }
-)  # fmt: skip
-_STILL: Mapping[str, tuple[str, ...]] = MappingProxyType(
-    {
-        "world": ("physics", "light", "scene", "plugin", "gui", "atmosphere", "magnetic_field", "wind", "audio", "state",
-                  "spherical_coordinates", "road", "population", "actor"),
-        "model": ("plugin", "allow_auto_disable", "enable_wind", "gripper"),
-        "link": ("visual", "light", "must_be_base_link", "enable_wind", "battery", "projector", "audio_source", "audio_sink",
-                 "particle_emitter", "plugin"),
-        "collision": ("laser_retro", "max_contacts"),
-        "joint": ("physics", "sensor", "plugin"),
-        "mesh": ("convex_decomposition",),
-    }
-)  # fmt: skip
-_ATTRIBUTES: Mapping[str, tuple[str, ...]] = MappingProxyType(
-    {
-        "model": ("name", "canonical_link", "placement_frame"),
-        "link": ("name",),
-        "joint": ("name", "type"),
-        "frame": ("name", "attached_to"),
-        "pose": ("relative_to", "degrees", "rotation_format", "frame"),
-        "xyz": ("expressed_in",),
-        "mimic": ("joint", "axis"),
-        "inertial": ("auto",),
-        "collision": ("name",),
+        "world": _form(
+            "model gravity include joint frame",
+            "physics light scene plugin gui atmosphere magnetic_field wind audio state spherical_coordinates road population "
+            "actor",
+        ),
+        "model": _form(
+            "link joint model frame pose static self_collide include",
+            "plugin allow_auto_disable enable_wind gripper",
+            "name canonical_link placement_frame",
+        ),
+        "link": _form(
+            "inertial collision pose sensor gravity kinematic velocity_decay self_collide",
+            "visual light must_be_base_link enable_wind battery projector audio_source audio_sink particle_emitter plugin",
+            "name",
+        ),
+        "inertial": _form("mass pose inertia density fluid_added_mass", words="auto"),
+        "inertia": _form("ixx ixy ixz iyy iyz izz"),
+        "collision": _form("geometry pose surface density", "laser_retro max_contacts", "name"),
+        "geometry": _form("box sphere cylinder capsule ellipsoid mesh plane heightmap polyline image cone"),
+        "box": _form("size"),
+        "sphere": _form("radius"),
+        "cylinder": _form("radius length"),
+        "capsule": _form("radius length"),
+        "ellipsoid": _form("radii"),
+        "mesh": _form("uri scale submesh", "convex_decomposition"),
+        "plane": _form("normal size"),
+        "joint": _form(
+            "parent child axis axis2 pose gearbox_ratio thread_pitch screw_thread_pitch", "physics sensor plugin", "name type"
+        ),
+        "axis": _form("xyz limit dynamics mimic use_parent_model_frame initial_position"),
+        "limit": _form("lower upper effort velocity stiffness dissipation"),
+        "dynamics": _form("damping friction spring_reference spring_stiffness"),
+        "mimic": _form("multiplier offset reference", words="joint axis"),
+        "frame": _form("pose", words="name attached_to"),
+        "pose": _form(words="relative_to degrees rotation_format frame"),
+        "xyz": _form(words="expressed_in"),
     }
 )
 _NO_PART = {
@@ -86,25 +91,23 @@ def check(element: Element, left: SdfLeft, *, strict: bool) -> None:
 
     Raises: RobotError, for what stands twice, and for what may be a slip of the pen, or for all that SDF does not have.
     """
-    moves, still = _MOVES.get(element.tag), _STILL.get(element.tag, ())
+    form = _FORMS.get(element.tag, _Form())
     name = readable(element.attributes.get("name", ""), 80) or f"line {element.line}"
-    words = _ATTRIBUTES.get(element.tag, ())
     for word in element.attributes:
-        if words and word not in words and ":" not in word:
-            _left_or_refused(
-                element, f"attribute {quoted(word, 60)}", word, words, left, f"{word} of <{element.tag}>", name, strict
-            )
-    if moves is None:
+        if form.words and word not in form.words and ":" not in word:
+            label = f"{word} of <{element.tag}>"
+            _left_or_refused(element, f"attribute {quoted(word, 60)}", word, form.words, left, label, name, strict)
+    if not form.moves:
         return
     for child in element.children:
-        if child.tag in moves:
+        if child.tag in form.moves:
             check(child, left, strict=strict)
-        elif child.tag in still:
+        elif child.tag in form.still:
             left.of_sdf.setdefault(child.tag, []).append(name)
         elif ":" in child.tag:
             left.unknown.setdefault(f"<{child.tag}> in <{element.tag}>", []).append(name)
         else:
-            _left_or_refused(child, "it", child.tag, moves, left, f"<{child.tag}> in <{element.tag}>", name, strict)
+            _left_or_refused(child, "it", child.tag, form.moves, left, f"<{child.tag}> in <{element.tag}>", name, strict)
 
 
 def _left_or_refused(

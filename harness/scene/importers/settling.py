@@ -111,15 +111,13 @@ def _said(need: Need) -> str:
 
 def _of_coordinates(robot: Robot) -> list[Need]:
     """Rotors and dry friction of balls and free joints, which no scene has."""
-    needs = []
+    needs = list[Need]()
     coordinates = [c for c in robot.coordinates() if c.kind in ("ball", "free")]
     kinds: tuple[tuple[Drop, str], ...] = (("armature", "kg m2 or kg"), ("friction_loss", "N m or N"))
     for kind, unit in kinds:
         having = [c for c in coordinates if getattr(c, kind) > 0]
-        if having:
-            most = max(getattr(c, kind) for c in having)
-            size = f"of up to {most:.3g} {unit}"
-            needs.append(Need(kind=kind, element="joint", names=tuple(c.name for c in having), size=size))
+        most = max((getattr(c, kind) for c in having), default=0.0)
+        needs += Need.of(kind, "joint", (c.name for c in having), f"of up to {most:.3g} {unit}")
     return needs
 
 

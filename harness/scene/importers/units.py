@@ -69,24 +69,24 @@ class _Scale:
         }
         return times[unit](value)
 
-    def part(self, part: Part) -> Part:
+    def whole(self, owner: Part) -> Part:
         """A part of a robot, with all that it is made of: a stiffness is a force over its coordinate's unit, and so on."""
         scale = self
-        if isinstance(part, Coordinate | Closure):
-            slides = isinstance(part, Closure) or part.kind == "prismatic"
+        if isinstance(owner, Coordinate | Closure):
+            slides = isinstance(owner, Closure) or owner.kind == "prismatic"
             scale = replace(self, own=self.length if slides else 1.0)
         changed: dict[str, Any] = {}
-        for field in fields(part):  # type: ignore[arg-type]
-            value = getattr(part, field.name)
+        for field in fields(owner):  # type: ignore[arg-type]
+            value = getattr(owner, field.name)
             if field.name in _UNITS:
                 changed[field.name] = scale.value(_UNITS[field.name], value)
             elif is_dataclass(value):
-                changed[field.name] = scale.part(value)
+                changed[field.name] = scale.whole(value)
             elif isinstance(value, tuple) and value and is_dataclass(value[0]):
-                changed[field.name] = tuple(map(scale.part, value))
-        if isinstance(part, Tie):
-            changed["ratio"] = part.ratio * self.own / (self.length if part.joint in self.slides else 1.0)
-        return replace(part, **changed)  # type: ignore[type-var]
+                changed[field.name] = tuple(map(scale.whole, value))
+        if isinstance(owner, Tie):
+            changed["ratio"] = owner.ratio * self.own / (self.length if owner.joint in self.slides else 1.0)
+        return replace(owner, **changed)  # type: ignore[type-var]
 
 
 def scaled(robot: Robot, units: Units) -> Robot:
@@ -100,8 +100,8 @@ def scaled(robot: Robot, units: Units) -> Robot:
     scale = _Scale(units.length, units.mass, 1.0, slides)
     return replace(
         robot,
-        links=tuple(map(scale.part, robot.links)),
-        closures=tuple(map(scale.part, robot.closures)),
+        links=tuple(map(scale.whole, robot.links)),
+        closures=tuple(map(scale.whole, robot.closures)),
         gravity=scale.value("length", robot.gravity),
-        contacts=robot.contacts and scale.part(robot.contacts),
+        contacts=robot.contacts and scale.whole(robot.contacts),
     )

@@ -173,8 +173,9 @@ def _tied(read: dict[str, Link], joints: list[Element]) -> tuple[dict[str, Link]
     }
     still = tuple(name for name in mimics if name not in ties and kinds[mimics[name].attributes["joint"]] == "fixed")
     loose = tuple(name for name in mimics if name not in ties and name not in still)
-    sizes = ((loose, "each then moves freely"), (still, "of a fixed joint, which does not move; each then moves freely"))
-    return linked, [Need(kind="mimic", element="joint", names=names, size=size) for names, size in sizes if names]
+    immobile = "of a fixed joint, which does not move; each then moves freely"
+    needs = Need.of("mimic", "joint", loose, "each then moves freely") + Need.of("mimic", "joint", still, immobile)
+    return linked, needs
 
 
 def _mimics(joints: list[Element]) -> dict[str, Element]:

@@ -156,14 +156,14 @@ def _joint(a: Link, b: Link, wordless: frozenset[str], by: Yardstick) -> Rows:
 
     if scalar:
         apart = float(np.linalg.norm(mine.axis - other.axis))  # the angle, where it is small and both are unit vectors
-        found = by.rows("axis", a.name, _numbers(mine.axis), _numbers(other.axis), size=apart)
-        rows += [(row, with_B("axis")) for row in found]
+        differing = by.rows("axis", a.name, _numbers(mine.axis), _numbers(other.axis), size=apart)
+        rows += [(row, with_B("axis")) for row in differing]
     if not slides and mine.kind != "free":
         gap = other.anchor - mine.anchor
         away = float(np.linalg.norm(gap - (gap @ mine.axis) * mine.axis if scalar else gap))
         points = _numbers(mine.anchor), _numbers(other.anchor)
-        found = by.rows("anchor", a.name, *points, unit="m", size=away, scale=by.extent)
-        rows += [(row, with_B("anchor")) for row in found]
+        differing = by.rows("anchor", a.name, *points, unit="m", size=away, scale=by.extent)
+        rows += [(row, with_B("anchor")) for row in differing]
     for quantity in QUANTITIES:
         x, y, unit = getattr(mine, quantity.name), getattr(other, quantity.name), quantity.units[slides]
         if quantity.name in wordless or x == y:
@@ -172,10 +172,10 @@ def _joint(a: Link, b: Link, wordless: frozenset[str], by: Yardstick) -> Rows:
         scale = by.lengths(unit) if quantity.position else max(abs(x or 0.0), abs(y or 0.0))
         words = _limit_words(x, y, unit) if quantity.name in ("lower", "upper") else quantity.words
         torque, torque_unit = (size, unit) if quantity.own and size is not None else (None, "")
-        found = by.rows(
+        differing = by.rows(
             quantity.name, a.name, x, y, unit=unit, size=size, scale=scale, torque=torque, torque_unit=torque_unit, words=words
         )
-        rows += [(row, with_B(quantity.name) if quantity.changed and size is not None else None) for row in found]
+        rows += [(row, with_B(quantity.name) if quantity.changed and size is not None else None) for row in differing]
     return rows
 
 

@@ -17,7 +17,7 @@ from plumbline.harness.intake.error import PlumblineError, RobotError
 from plumbline.harness.intake.import_wishes import Wishes
 from plumbline.harness.scene import Prismatic, Revolute, Scene
 from plumbline.harness.scene.importers.companion import Companion
-from plumbline.harness.scene.importers.imported import Imported
+from plumbline.harness.scene.importers.fidelity import Imported
 from plumbline.harness.scene.importers.reading import imported, robot_of
 from plumbline.harness.scene.importers.robot import Robot as FileRobot
 from plumbline.harness.scene.importers.settling import wordless_kinds

@@ -20,7 +20,7 @@ from plumbline.harness.scene import Scene
 if TYPE_CHECKING:
     from plumbline.harness.adapter import Adapter
     from plumbline.harness.case import Case
-    from plumbline.harness.scene.importers.imported import Imported
+    from plumbline.harness.scene.importers.fidelity import Imported
 
 Source: TypeAlias = Scene | Path | str
 """A scene, the path of a scene or robot file, or the name of a case."""
@@ -62,7 +62,7 @@ def is_case(what: Source) -> bool:
 
 def imported(what: Source, options: ImportOptions) -> "Imported":
     """A scene, or that of a file, with what became of each of its elements. Raises: PlumblineError."""
-    from plumbline.harness.scene.importers.imported import Imported
+    from plumbline.harness.scene.importers.fidelity import Imported
     from plumbline.harness.scene.importers.reading import read
 
     if isinstance(what, Scene):

@@ -22,7 +22,7 @@ Deviations:
       cylinder, hull or mesh, a hull or lying cylinder on a box): what lies so sinks by 5.5 mm on 'tuned', by 4.1 on
       'default'. Newton's own collisions (the option 'contacts') find four, and what lies sinks by .3 mm at most. Neither
       track takes them. Under elliptic cones they take friction of a shape's kf, 1000 N s/m by default, which holds 1 kg at
-      2 ms: what slides at 3 m/s hops by 36 mm. The adapter tells a kf below 0, under which it hops by 6 mm, as on MuJoCo-Warp's.
+      2 ms: what slides at 3 m/s hops by 36 mm. The adapter tells one below 0, and it hops by 6 mm, as on MuJoCo-Warp's.
     * `implicitfast`, the integrator of 'default', takes the damping of drives implicitly after contacts were solved without
       it, as MuJoCo's does: a standing quadruped slides by 40 mm in half a second. Euler, on 'tuned', and 'discrete' hold it.
     * Of two coefficients of friction MuJoCo-Warp takes the greater, XPBD the mean: each kind of body is told a number from

@@ -58,7 +58,7 @@ def build_worlds(vendor: Vendor, scene: Scene, settings: Settings, count: int) -
 
 
 def _resolved(scene: Scene, settings: Settings) -> Settings:
-    return resolved_settings(settings, "xpbd" if rebounds(scene) else "mujoco")
+    return resolved_settings(settings, "xpbd" if rebounds(scene) else "mujoco", scene.effects)
 
 
 def _builder(vendor: Vendor, scene: Scene) -> Any:

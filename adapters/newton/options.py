@@ -6,12 +6,14 @@ from typing import Any
 
 from plumbline.harness.adapter import Settings, SettingsError
 from plumbline.harness.adapter.checked_options import Between, checked_options
+from plumbline.harness.scene import Effect
 
 SOLVERS = ("mujoco", "xpbd")
 INTEGRATORS = {"mujoco": ("implicitfast", "euler", "rk4"), "xpbd": ("semi_implicit_euler",)}
 """By solver, the vendor's first."""
 ITERATIONS = {"mujoco": 100, "xpbd": 2}
 KNOWN: Mapping[str, Sequence[Any] | Between] = {
+    "by_scene": (True, False),
     "contacts": ("mujoco", "newton"),
     "multiccd": (True, False),
     "cone": ("pyramidal", "elliptic"),
@@ -24,13 +26,14 @@ KNOWN: Mapping[str, Sequence[Any] | Between] = {
     "contact_weighting": (True, False),
     "restitution_iterations": (1, 2, 4, 8, 16),
 }
-"""contacts: who finds those that MuJoCo-Warp solves. multiccd: does it look for up to four of its own in each pair. cone,
-impratio: of its friction. contact_steps: the time constant of its contacts in steps, at most the vendor's;
-contact_damping_ratio, contact_impedance: of them. limit_steps: of its joint limits. contact_relaxation, contact_weighting:
-the share of each contact's correction that XPBD takes, and whether it is divided by the contacts of a body.
-restitution_iterations: of XPBD."""
+"""by_scene: where the integrator is left open, RK4 of what nothing touches or joins, and Euler elsewhere. contacts: who finds
+those that MuJoCo-Warp solves. multiccd: does it look for up to four of its own in each pair. cone, impratio: of its friction.
+contact_steps: the time constant of its contacts in steps, at most the vendor's; contact_damping_ratio, contact_impedance: of
+them. limit_steps: of its joint limits. contact_relaxation, contact_weighting: the share of each contact's correction that
+XPBD takes, and whether it is divided by the contacts of a body. restitution_iterations: of XPBD."""
 _VENDOR: Mapping[str, Mapping[str, Any]] = {
     "mujoco": {
+        "by_scene": False,
         "contacts": "mujoco",
         "multiccd": False,
         "cone": "pyramidal",
@@ -44,7 +47,7 @@ _VENDOR: Mapping[str, Mapping[str, Any]] = {
 }
 
 
-def resolved_settings(settings: Settings, fits: str) -> Settings:
+def resolved_settings(settings: Settings, fits: str, effects: Effect) -> Settings:
     """The settings with the vendor's values where they leave something open. Raises: SettingsError.
 
     Options of the other solver than that which is used are left out. Args: fits: the solver where none is told.
@@ -52,6 +55,8 @@ def resolved_settings(settings: Settings, fits: str) -> Settings:
     solver = settings.solver or fits
     integrators = INTEGRATORS.get(solver, ("",))
     integrator = settings.integrator or integrators[0]
+    if settings.options.get("by_scene") and settings.integrator is None and solver == "mujoco":
+        integrator = "euler" if (Effect.CONTACT | Effect.JOINTS) & effects else "rk4"
     if integrator not in integrators and solver in SOLVERS:
         # An integrator of the other solver that was told without one says nothing here.
         is_chosen = settings.solver is not None or all(integrator not in names for names in INTEGRATORS.values())

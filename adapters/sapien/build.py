@@ -29,7 +29,7 @@ def build(sapien: Any, scene: Scene, settings: Settings) -> SapienSimulation:
     if Effect.JOINTS in effects:
         refuse_tendons(scene)
     towed = next((joint for joint in joints if _holds_led(scene, joint)), None)
-    used = resolved_settings(settings, effects, towed is not None)
+    used = resolved_settings(settings, effects, towed is not None or _moves(scene, effects))
     if towed is not None and used.solver == "pgs":
         raise Unsupported(
             f"joint '{towed.name}': a body that is led", "PGS takes its turning for nought at joints; TGS does not"
@@ -58,6 +58,17 @@ def build(sapien: Any, scene: Scene, settings: Settings) -> SapienSimulation:
 def _holds_led(scene: Scene, joint: Joint) -> bool:
     """Does a joint hold something on a body that is led?"""
     return any(name != WORLD and scene.body(name).motion == "kinematic" for name in (joint.parent, joint.child))
+
+
+def _moves(scene: Scene, effects: Effect) -> bool:
+    """Is a body led, or does one move at the start, where bodies touch and nothing drives them?
+
+    PGS keeps what rests quiet, what drives hold in its place, and a spin that nothing touches; what rolls on a table that is
+    led, or spins on its feet, it brakes wrongly.
+    """
+    if Effect.DRIVES in effects or Effect.CONTACT not in effects:
+        return False
+    return any(body.motion == "kinematic" or (body.movable and any(map(any, body.velocity_at_start))) for body in scene.bodies)
 
 
 @dataclass(slots=True)

@@ -25,8 +25,8 @@ KNOWN: Mapping[str, Sequence[Any] | Between] = {
 """bounce_threshold [m/s]: the approach below which nothing rebounds. contact_offset [m]: the gap at which contacts begin.
 capped: turns at 100 rad/s, rates of joints at 100, as the vendor has them. damping: angular, 0.05 a second by default, of
 bodies of which the scene says none. determinism: does a body's motion not depend on what else is in the scene. by_scene:
-where the solver is left open, PGS but for scenes with restitution or torsional friction and for joints that hold something on a
-body that is led."""
+where the solver is left open, TGS where something rebounds, has torsional friction, hangs on a body that is led, or touches
+while it moves at the start without drives, and PGS elsewhere."""
 _VENDOR: Mapping[str, Any] = {
     "velocity_iterations": 1,
     "bounce_threshold": 2.0,
@@ -39,15 +39,15 @@ _VENDOR: Mapping[str, Any] = {
 }
 
 
-def resolved_settings(settings: Settings, effects: Effect, towed: bool) -> Settings:
+def resolved_settings(settings: Settings, effects: Effect, moving: bool) -> Settings:
     """The settings with the vendor's values where they leave something open. Raises: SettingsError.
 
-    Args: towed: does a joint hold something on a body that is led?
+    Args: moving: does a joint hold something on a body that is led, or does what touches move without a drive?
     """
     chosen = checked_options("SAPIEN", settings, KNOWN, INTEGRATOR, SOLVERS)
     options = {name: _VENDOR[name] if value is None else value for name, value in chosen.items()}
     moved = Effect.RESTITUTION | Effect.TORSIONAL_FRICTION
-    quiet = options["by_scene"] and not moved & effects and not towed
+    quiet = options["by_scene"] and not moved & effects and not moving
     return replace(
         settings,
         substeps=settings.substeps or 1,

@@ -57,24 +57,24 @@ class Audit:
 
     def judges(self, titles: Mapping[str, str] | None = None) -> str:
         """How many effects the truth judged, how many engines that agree, and how many one engine alone."""
-        known, by = titles or {}, dict[str, int]()
+        spoken, by = titles or {}, dict[str, int]()
         for row in self.judged:
             alone = row["judge"].endswith(f" {ALONE}")
             name = row["judge"].removesuffix(f" {ALONE}")
-            who = f"{known.get(name, name)} {ALONE}" if alone else TRUTH if name == TRUTH else "engines that agree"
+            who = f"{spoken.get(name, name)} {ALONE}" if alone else TRUTH if name == TRUTH else "engines that agree"
             by[who] = by.get(who, 0) + 1
-        said = [f"{count} by {who}" for who, count in by.items()]
-        return f"Effects are judged: {', '.join(said)}" if len(by) > 1 else f"Judged by {next(iter(by), 'nobody')}"
+        counts = ", ".join(f"{count} by {who}" for who, count in by.items())
+        return f"Effects are judged: {counts}" if len(by) > 1 else f"Judged by {next(iter(by), 'nobody')}"
 
     def dissent(self, titles: Mapping[str, str] | None = None) -> list[str]:
         """Where engines say the opposite of what is judged, a sentence each. Args: titles: of cases and engines, by name."""
-        known = titles or {}
+        spoken = titles or {}
 
         def named(engines: str) -> str:
-            return ", ".join(known.get(name, name) for name in engines.split(", "))
+            return ", ".join(spoken.get(name, name) for name in engines.split(", "))
 
         return [
-            f"{named_scene(row, known)}: {_spelled(row['effect'])} {_MATTERS['needed' in row['verdict']]} by "
+            f"{named_scene(row, spoken)}: {_spelled(row['effect'])} {_MATTERS['needed' in row['verdict']]} by "
             f"{named(row['judge'])}; {named(row['against'])} would have it otherwise"
             for row in self.judged
             if row["against"]
@@ -107,10 +107,10 @@ def audit(rows: Sequence[Mapping[str, Any]]) -> Audit:
         chosen.setdefault((row["case"], row["where"], row["effect"]), row)
     taken = {id(row) for row in chosen.values()}
     judged = tuple(row for row in asked if id(row) in taken and not _silent(row))
-    known = scenes_of(judged)
+    answered = scenes_of(judged)
     silent = (row for row in asked if id(row) in taken and _silent(row))
     # That one engine gives no answer at all is nothing where others do.
-    unknown = tuple(row for row in silent if row["effect"] != AS_IT_IS or (row["case"], row["where"]) not in known)
+    unknown = tuple(row for row in silent if row["effect"] != AS_IT_IS or (row["case"], row["where"]) not in answered)
     return Audit(judged, tuple(row for row in judged if row["verdict"] in AGAINST), unknown)
 
 

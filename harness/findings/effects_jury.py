@@ -94,12 +94,12 @@ def needs(store: Store, sides: Mapping[str, Mapping[str, Any]], declared: Collec
     """By effects, whether they matter; without those of which each engine speaks for itself."""
     ours = {engine for engine in sides if store.described("engines", engine)["ours"]}
     by_truth, by_steps = (heard(store, sides, declared, scaled) for scaled in (scale_by_truth, scale_in))
-    found = {}
+    verdicts = {}
     for effects in dict.fromkeys((*by_truth, *by_steps)):
         need = judged(by_truth.get(effects, {}), by_steps.get(effects, {}), ours)
         if need.matters is not None or len(sides.keys() - ours) >= ENOUGH:
-            found[effects] = need
-    return found
+            verdicts[effects] = need
+    return verdicts
 
 
 def judged(by_truth: Words, by_steps: Words, ours: Collection[str]) -> Need:
@@ -122,7 +122,7 @@ def _majority(witnesses: Words, everybody: Words, enough: int) -> Need:
     # What is smaller than twice an engine's own error, that engine does not see.
     seen = min((c.moved for c in say[True].values()), default=float("inf"))
     say[False] = {engine: c for engine, c in say[False].items() if TWICE * c.own < seen}
-    votes = {what: [engine for engine in said if engine in witnesses] for what, said in say.items()}
+    votes = {what: [engine for engine in engines if engine in witnesses] for what, engines in say.items()}
     verdict = len(votes[True]) > len(votes[False])
     if len(votes[verdict]) > len(votes[not verdict]) and len(votes[verdict]) >= enough:
         return Need(verdict, "", ", ".join(votes[verdict]), tuple(say[not verdict]))

@@ -204,10 +204,10 @@ def scale_by_truth(store: Store, runs: Mapping[str, Any]) -> Scale | None:
         return None
     if store.described("cases", plain.case)["truth"] not in MOTIONS:
         return None
-    here = store.trajectory(plain.trajectory_hash)
-    if not all(f"truth_{name}" in here for name in NAMES):
+    plain_run = store.trajectory(plain.trajectory_hash)
+    if not all(f"truth_{name}" in plain_run for name in NAMES):
         return None
-    scale = scale_of(here, {name: here[f"truth_{name}"] for name in NAMES}, None, _single(store, runs))
+    scale = scale_of(plain_run, {name: plain_run[f"truth_{name}"] for name in NAMES}, None, _single(store, runs))
     return replace(scale, again=np.where(np.isnan(scale.own), np.nan, 0.0), by_truth=True)
 
 

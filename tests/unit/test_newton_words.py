@@ -6,7 +6,7 @@ from plumbline.adapters.newton.joints import Aim, aim_of
 from plumbline.adapters.newton.options import resolved_settings
 from plumbline.adapters.newton.surfaces import numbers_of, rebounds
 from plumbline.harness.adapter import Settings, SettingsError, Unsupported
-from plumbline.harness.scene import Body, Drive, PlacedShape, Scene, Sphere, Surface, sphere_inertia
+from plumbline.harness.scene import Body, Drive, Effect, PlacedShape, Scene, Sphere, Surface, sphere_inertia
 
 
 def balls(laws: dict[tuple[str, str], tuple[float, float]], ground: str, *moving: str) -> Scene:
@@ -72,13 +72,13 @@ def test_all_that_is_constant_in_a_drive_shifts_what_it_aims_at() -> None:
 
 def test_options_of_the_solver_that_is_not_used_are_left_out_and_its_integrator_is_not_taken() -> None:
     told = Settings(options={"cone": "elliptic", "contact_weighting": False})
-    over_mujoco, xpbd = resolved_settings(told, "mujoco"), resolved_settings(told, "xpbd")
+    over_mujoco, xpbd = (resolved_settings(told, solver, Effect.CONTACT) for solver in ("mujoco", "xpbd"))
     assert (over_mujoco.solver, over_mujoco.integrator, over_mujoco.iterations) == ("mujoco", "implicitfast", 100)
     assert over_mujoco.options["cone"] == "elliptic"
     assert "contact_weighting" not in over_mujoco.options
     assert (xpbd.solver, xpbd.integrator, xpbd.iterations) == ("xpbd", "semi_implicit_euler", 2)
     assert xpbd.options == {"contact_relaxation": 0.8, "contact_weighting": False, "restitution_iterations": 2}
     with pytest.raises(SettingsError, match=r"integrator 'rk4', expected 'semi_implicit_euler'"):
-        resolved_settings(Settings(solver="xpbd", integrator="rk4"), "mujoco")
+        resolved_settings(Settings(solver="xpbd", integrator="rk4"), "mujoco", Effect.CONTACT)
     with pytest.raises(SettingsError, match=r"option 'cones'"):
-        resolved_settings(Settings(options={"cones": 1}), "mujoco")
+        resolved_settings(Settings(options={"cones": 1}), "mujoco", Effect.CONTACT)

@@ -117,3 +117,29 @@ def test_the_vendor_s_gain_of_friction_makes_what_slides_hop_under_own_collision
     assert hop(own=True, gain=-1.0) == pytest.approx(hop(own=False), rel=1e-3)
     assert hop(own=True, gain=10.0) < 0.5
     assert hop(own=True, cone="pyramidal") == pytest.approx(hop(own=False, cone="pyramidal"), rel=1e-3)
+
+
+def gain(integrator: str) -> float:
+    """By what share the energy of a free body that turns about no principal axis changes within half a second."""
+    builder = newton.ModelBuilder(gravity=(0.0, 0.0, 0.0))
+    moments = np.array([0.01, 0.02, 0.03])
+    builder.add_body(mass=1.0, inertia=matrix(moments), lock_inertia=True)
+    builder.joint_qd[3:6] = (30.0, 20.0, 40.0)
+    energies: list[float] = []
+
+    def seen(state: Any) -> None:
+        x, y, z, w = state.body_q.numpy()[0, 3:].astype(float)
+        turned = np.array([[1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+                           [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+                           [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)]])  # fmt: skip
+        spin = turned.T @ state.body_qd.numpy()[0, 3:].astype(float)
+        energies.append(float(moments @ spin**2))
+
+    run(builder, False, 0.5, seen, integrator=integrator)
+    return energies[-1] / energies[0] - 1.0
+
+
+def test_a_body_that_spins_fast_gains_energy_under_euler_loses_it_under_implicitfast_and_keeps_it_under_rk4() -> None:
+    assert not gain("euler") < 0.5
+    assert gain("implicitfast") < -0.05
+    assert abs(gain("rk4")) < 2e-3

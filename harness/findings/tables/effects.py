@@ -223,8 +223,8 @@ def sentences(rows: Sequence[Row], *, accusing: bool = True, titles: Mapping[str
         if audited.clean == audited.scenes == 1 and not audited.in_doubt:
             call = "the scene calls for exactly what it needs"
         lines.append(f"Audit: {call}{beside}. {audited.judges(titles)}.")
-    told = (*(audited.sentences(titles) if accusing else ()), *audited.dissent(titles), *audited.doubts(titles))
-    lines += [f"Audit: {sentence}." for sentence in told]
+    spoken = (*(audited.sentences(titles) if accusing else ()), *audited.dissent(titles), *audited.doubts(titles))
+    lines += [f"Audit: {sentence}." for sentence in spoken]
     return lines + [proposal for scene in scenes_of(audited.failed) if (proposal := proposed(scene, audited.judged))]
 
 

@@ -225,7 +225,7 @@ def figure(folder: Path, case: str, chart: str | None, form: str, width: int, ou
     from plumbline.harness.store import disk
     from plumbline.reports.html.drawing import Drawing
     from plumbline.reports.html.written import NotWritten, picture_file
-    from plumbline.reports.paper.figures import Printed, figures_of
+    from plumbline.reports.paper.printing import Printed, figures_of
 
     store = opened(folder)
     _known(store, case)

@@ -27,9 +27,8 @@ from plumbline.reports.tables.trial_results import answers, as_csv, in_order, is
 from plumbline.reports.tables.verdicts import verdicts
 from plumbline.reports.words.altered_parameters import departures
 from plumbline.reports.words.catalogue import FAMILIES, case_file, cases, engines, setting_words, tracks
-from plumbline.reports.words.disputes import disputed, told
 from plumbline.reports.words.emulated_features import laws_of_case
-from plumbline.reports.words.known_findings import of_case
+from plumbline.reports.words.known_findings import disputed, of_case, told
 from plumbline.reports.words.status import outcome
 from plumbline.reports.words.text import slug
 

@@ -18,8 +18,8 @@ from plumbline.harness.store.imported_scenes import kept_by
 from plumbline.harness.store.rows import records
 from plumbline.harness.store.store import Store
 from plumbline.reports.charts.errors import error_by_step
+from plumbline.reports.charts.marks import looks
 from plumbline.reports.charts.own_scenes import horizon_chart, parting_chart
-from plumbline.reports.charts.palette import looks
 from plumbline.reports.charts.work_precision import miniatures, work_precision
 from plumbline.reports.html.template import fill
 from plumbline.reports.page import Page, Rendered

@@ -5,8 +5,7 @@ from collections.abc import Mapping
 from plumbline.harness.findings.sensor_readings.findings import concerned, findings
 from plumbline.harness.findings.tables import sensors as sensors_table
 from plumbline.harness.store.store import Store
-from plumbline.reports.charts.ideal_signals import error_charts, named, rays_chart
-from plumbline.reports.charts.sensor_noise import noise_charts
+from plumbline.reports.charts.ideal_signals import error_charts, named, noise_charts, rays_chart
 from plumbline.reports.html.template import fill
 from plumbline.reports.page import Page, Rendered
 from plumbline.reports.pictures.camera_pictures import shots

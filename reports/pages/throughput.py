@@ -6,7 +6,7 @@ from functools import partial
 from plumbline.harness.findings.columns import spread
 from plumbline.harness.findings.tables.throughput import TABLE, throughputs
 from plumbline.harness.store.store import Store
-from plumbline.reports.charts.throughput import charts
+from plumbline.reports.charts.step_costs import charts
 from plumbline.reports.html.template import fill
 from plumbline.reports.page import Page, Rendered
 from plumbline.reports.tables.csv import sheet

@@ -11,7 +11,7 @@ from plumbline.reports.html.template import fill
 from plumbline.reports.page import Page, Rendered
 from plumbline.reports.pictures.case_pictures import sight
 from plumbline.reports.tables.csv import sheet
-from plumbline.reports.tables.zoo import NOT_RUN, STAGES, inside, outside
+from plumbline.reports.tables.own_scenes import NOT_RUN, STAGES, inside, outside
 from plumbline.reports.words.catalogue import engines
 from plumbline.reports.words.status import VERDICTS
 

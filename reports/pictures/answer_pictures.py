@@ -16,8 +16,7 @@ from plumbline.harness.findings.agreement.values import Agreement, Side
 from plumbline.harness.findings.agreement.words import share
 from plumbline.harness.findings.prices import Price
 from plumbline.harness.store.store import Store
-from plumbline.reports.charts.marks import short
-from plumbline.reports.charts.palette import EngineLook, looks
+from plumbline.reports.charts.marks import EngineLook, looks, short
 from plumbline.reports.charts.work_precision import FrontMiniature
 from plumbline.reports.pictures.motion_chart import ChartSeries, Panel, over_time
 from plumbline.reports.words.catalogue import engines, labels

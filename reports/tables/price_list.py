@@ -16,7 +16,7 @@ from plumbline.harness.findings.prices import PER_SECOND, Price, priced, unit_of
 from plumbline.harness.findings.standing import cheapest, counted, standing
 from plumbline.harness.store.store import Store
 from plumbline.reports.words.catalogue import titled
-from plumbline.reports.words.disputes import disputed
+from plumbline.reports.words.known_findings import disputed
 from plumbline.reports.words.text import TIMES, amount, duration, knobs, power, slug, step
 
 SHOWN = 1e-2

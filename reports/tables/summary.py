@@ -14,7 +14,7 @@ from plumbline.reports.tables.own_scenes import by_case, summary
 from plumbline.reports.tables.verdicts import CaseVerdict, verdicts
 from plumbline.reports.words.catalogue import cases, compared_tracks, engines, setting_words, titles
 from plumbline.reports.words.catalogue import ours as yardsticks
-from plumbline.reports.words.disputes import disputed
+from plumbline.reports.words.known_findings import disputed
 from plumbline.reports.words.status import FINITE, STATUSES
 from plumbline.reports.words.text import TIMES, amount, join_words, plural
 

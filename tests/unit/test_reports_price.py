@@ -21,8 +21,8 @@ from plumbline.reports.charts.performance_profile import profile_chart
 from plumbline.reports.charts.work_precision import miniatures, work_precision
 from plumbline.reports.pages import index
 from plumbline.reports.pages.price import PAGE
-from plumbline.reports.tables.failures import failing
 from plumbline.reports.tables.price_list import PriceLine, heat, price_list, scenes, wins
+from plumbline.reports.tables.verdicts import failing
 from plumbline.reports.words.text import duration, power
 from tests.links import texts_of
 from tests.run_folder import BAD_CASE, HOSTILE, write_run_folder

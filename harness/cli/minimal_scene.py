@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import tomli_w
 
-from plumbline.harness.findings.effects_audit import audit, idle, scenes_of
 from plumbline.harness.findings.tables import effects
+from plumbline.harness.findings.tables.effects import audit, idle, scenes_of
 from plumbline.harness.scene import Effect
 from plumbline.harness.scene.file import dump_toml
 from plumbline.harness.scene.importers.companion import beside, load_companion
@@ -27,7 +27,7 @@ def write_minimal(store: "Store", case: "Case") -> tuple[Path, list[str]] | None
 
     Returns: the file and the effects; None where the audit proposes nothing. Raises: OSError.
     """
-    audited = audit(effects.TABLE.rows(store))
+    audited = audit(effects.verdicts(store))
     without = [idle(scene, audited.judged) for scene in scenes_of(audited.failed) if scene[0] == case.name]
     if not without or not without[0]:
         return None

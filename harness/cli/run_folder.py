@@ -3,7 +3,7 @@ it, and the dataset that it may become.
 """
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,13 +15,12 @@ from plumbline.harness.cli.options import limited, opened, run_folder
 from plumbline.harness.cli.own_scene import shown_status
 from plumbline.harness.cli.paper_trials import paper_trials, titles_of
 from plumbline.harness.findings import tables
-from plumbline.harness.findings.columns import Column, Row, headings
+from plumbline.harness.findings.columns import Column, headings
 from plumbline.harness.findings.parameter_words import step_in_words, substeps_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from plumbline.harness.findings.columns import Row
     from plumbline.harness.store.store import Store
     from plumbline.reports.html.written import WrittenReport
 
@@ -52,6 +51,12 @@ def show(folder: Path, table: str, form: str) -> None:
     if worked_out is not None and form in ("markdown", "latex"):
         _print_for_paper(store, form, worked_out.printed(store, lambda: titles_of(store)))
         return
+    if worked_out is not None and form == "text":
+        objects = tuple(worked_out.objects(store))
+        print_table(table, headings(worked_out.shown), objects, worked_out.brief)
+        for sentence in worked_out.sentences(objects):
+            say(sentence)
+        return
     rows, columns = _stored(store, table) if worked_out is None else (worked_out.rows(store), worked_out.columns)
     if form == "json":
         print_json(rows)
@@ -60,10 +65,6 @@ def show(folder: Path, table: str, form: str) -> None:
     elif form in ("markdown", "latex"):
         whole = list(columns), [[row[name] for name in columns] for row in rows]
         _print_for_paper(store, form, paper_trials(store, rows) if table == "trials" else whole)
-    elif worked_out is not None:
-        print_table(table, headings(worked_out.shown), rows, worked_out.brief)
-        for sentence in worked_out.sentences(rows):
-            say(sentence)
     else:
         shown = _shown_trials(rows) if table == "trials" else [Column(name, _short(name)) for name in columns]
         print_table(table, headings(shown), rows, lambda row: [column.cell(row) for column in shown])
@@ -79,12 +80,12 @@ def _print_for_paper(store: "Store", form: str, printed: tuple[list[str], list[l
         print_latex(*printed, citation(store))
 
 
-def _short(name: str) -> "Callable[[Row], object]":
+def _short(name: str) -> "Callable[[Mapping[str, Any]], object]":
     """What makes a cell of a stored value: numbers in four digits."""
     return lambda row: f"{row[name]:.4g}" if isinstance(row[name], float) else row[name]
 
 
-def _shown_trials(rows: "Sequence[Row]") -> "list[Column]":
+def _shown_trials(rows: "Sequence[Mapping[str, Any]]") -> "list[Column]":
     """What a terminal has room for of the trials."""
     recalled = ["recalled"] if any(row["recalled"] for row in rows) else []
     return [

@@ -67,10 +67,9 @@ def merge(folders: tuple[Path, ...], out: Path) -> None:
 def failures(store: "Store") -> list[str]:
     """What the gate is about: the reference engine's checks on the tuned track and its determinism, the audit of effects, and
     tuned tracks of all engines that a change of one knob beats without a reason."""
-    from plumbline.harness.findings.effects_audit import JUDGE, audit
     from plumbline.harness.findings.parameter_words import step_in_words, substeps_of
     from plumbline.harness.findings.tables import determinism, dominance
-    from plumbline.harness.findings.tables.effects import TABLE
+    from plumbline.harness.findings.tables.effects import JUDGE, audit, verdicts
 
     ours = [name for name in store.trials["engine"].unique() if store.described("engines", name)["ours"]]
     # Bounds are meant for the steps that a study names, not for those that a sweep goes on to.
@@ -85,7 +84,7 @@ def failures(store: "Store") -> list[str]:
     ]
     sentences += [f"determinism: {sentence}" for sentence in determinism.broken(determinism.repetitions(store), ours)]
     # Another engine that stands in for the judge may see worse than it: its word is in the table, and gates nothing.
-    judged = audit([row for row in TABLE.rows(store) if row["engine"] == JUDGE])
+    judged = audit([row for row in verdicts(store) if row.engine == JUDGE])
     sentences += [f"audit: {sentence}" for sentence in judged.sentences()]
     return sentences + [f"dominance: {sentence}" for sentence in dominance.unexcused(store)]
 

@@ -7,9 +7,8 @@ from collections.abc import Sequence
 from operator import attrgetter
 from typing import Any
 
-from plumbline.harness.findings.costs import TELLING, Cost, Sweep, growth
 from plumbline.harness.findings.parameter_words import axis_title
-from plumbline.harness.findings.tables.scaling import Scaling
+from plumbline.harness.findings.tables.scaling import TELLING, Cost, Scaling, Sweep, growth
 from plumbline.harness.findings.tables.throughput import Throughput, bests
 from plumbline.harness.store.rows import grouped
 from plumbline.harness.store.store import Store

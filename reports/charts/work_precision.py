@@ -39,6 +39,7 @@ LEFT, BELOW, MARGIN = 34, 16, 6
 
 def drawn(store: Store, point: CostPoint) -> Row:
     """A point for the chart."""
+    cost, (low, high) = point.cost.value, point.cost.ends
     return {
         "engine": labels(store)[point.engine],
         "track": point.track if point.track in TRACKS else "other settings",
@@ -48,12 +49,12 @@ def drawn(store: Store, point: CostPoint) -> Row:
         "least": max(point.error - point.off, LEAST),
         "most": point.error + point.off,
         "off": point.off,
-        "cost": point.cost,
-        "low": point.low or point.cost,
-        "high": point.high or point.cost,
-        "pace": 1 / point.cost,
-        "slow": 1 / (point.high or point.cost),
-        "fast": 1 / (point.low or point.cost),
+        "cost": cost,
+        "low": low,
+        "high": high,
+        "pace": 1 / cost,
+        "slow": 1 / high,
+        "fast": 1 / low,
         "timing": "rough, not clocked" if not point.clocked else "unstable" if point.unstable else "clocked",
         "status": outcome(point.status).name,
         "trial": point.trial,
@@ -164,7 +165,7 @@ class FrontMiniature:
 def miniatures(store: Store) -> list[FrontMiniature]:
     """One for each scene, all on the same axes."""
     fronts = [(scene, [point for point in scene.points if point.front]) for scene in scenes(store)]
-    costs = [math.log10(point.cost) for scene, front in fronts for point in front if scene.unit == PER_SECOND]
+    costs = [math.log10(point.cost.value) for scene, front in fronts for point in front if scene.unit == PER_SECOND]
     errors = [math.log10(point.error) for _, front in fronts for point in front]
     low, high = span(costs or [0.0])
     fine, coarse = span([min(error, 0.0) for error in errors])
@@ -218,7 +219,7 @@ def placed(store: Store, front: Sequence[CostPoint], across: Any, up: Any) -> Ma
     fronts: dict[str, list[tuple[float, float]]] = {}
     colours = looks(engines(store))
     for point in sorted(front, key=lambda point: point.error):
-        position = (across(math.log10(point.error)), up(math.log10(point.cost)))
+        position = (across(math.log10(point.error)), up(math.log10(point.cost.value)))
         fronts.setdefault(colours[point.engine].colour, []).append(position)
     return fronts
 
@@ -243,7 +244,7 @@ def error_against_speed(store: Store) -> Figure | None:
             "setting": visible(setting_words(store, engine, evidence.tracks[engine]))[:60],
             "case": visible(str(cases(store)[case]["title"]))[:60],
             "error": max(speed.error, LEAST_DRAWN),
-            "pace": speed.times,
+            "pace": speed.times.value,
             "step": speed.step or "at the error asked for",
         }
         for (case, engine), speed in evidence.speeds.items()

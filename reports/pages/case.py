@@ -53,7 +53,7 @@ def render(store: Store) -> Iterator[tuple[str, Rendered]]:
         plain = slug(name)
         priced = [work_precision(store, scene) for scene in scenes(store) if scene.case == name]
         lines = [line for line in prices if line.case == name]
-        shown = listed(mine, {entry.price.trial for line in lines for entry in line.entries.values()})
+        shown = listed(mine, {entry.trial for line in lines for entry in line.entries.values()})
         recording = store.folder / "recordings" / file_name(name)
         yield from ((figure.path, figure) for figure in priced)
         yield f"trials/{plain}.csv", as_csv(mine, measured)

@@ -21,14 +21,14 @@ def concerns(store: Store) -> bool:
 
 def render(store: Store) -> Mapping[str, Rendered]:
     """The page, its charts and its table as CSV."""
-    measured, rows = findings(store), sensors_table.TABLE.rows(store)
+    measured = findings(store)
     errors, noises, rays = error_charts(store, measured), noise_charts(store, measured), rays_chart(store, measured)
     listed = [measured[index] for index in rows_shown([finding.track not in TRACK_ORDER for finding in measured])]
     page = fill(
         "sensors.html",
         store,
         title="Sensors",
-        said=sensors_table.sentences(rows, titles(store)),
+        said=sensors_table.sentences(measured, titles(store)),
         errors=errors,
         noises=noises,
         rays=rays,
@@ -38,7 +38,7 @@ def render(store: Store) -> Mapping[str, Rendered]:
         names=[named(store, finding) if finding.channel else titled(store, finding.case, finding.where) for finding in listed],
     )
     figures = [*errors, *noises, *([rays] if rays is not None else [])]
-    sheets = {"sensors.csv": sheet(sensors_table.COLUMNS, rows)}
+    sheets = {"sensors.csv": sheet(sensors_table.TABLE.columns, map(sensors_table.TABLE.flat, measured))}
     return {"sensors.html": page} | sheets | {figure.path: figure for figure in figures}
 
 

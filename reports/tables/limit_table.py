@@ -67,7 +67,7 @@ def lines(store: Store, searches: Sequence[Search]) -> list[AxisLine]:
             (search.engine, search.setting): cell(search, laws[search.engine, search.track])
             for search in sorted(group, key=_order)
         }
-        cells |= {(reach.engine, worded(reach)): _within(reach) for reach in reaches(group) if reach.at == "equal time"}
+        cells |= {(reach.search.engine, worded(reach)): _within(reach) for reach in reaches(group) if reach.at == "equal time"}
         cells = {key: marked(unmarked, against[key[0]]) for key, unmarked in cells.items()}
         made.append(AxisLine(case, title, axis, list(dict.fromkeys(setting for _, setting in cells)), cells))
     return made
@@ -87,10 +87,11 @@ def worded(reach: Reach) -> str:
 
 def _within(reach: Reach) -> LimitCell:
     """What an engine held for so much time, and how."""
-    if reach.held is None or reach.cost is None:
+    hold, setting = reach.hold, reach.search.setting
+    if hold is None or hold.cost is None:
         return LimitCell(0.0, "none", "", "nothing was held at this price")
-    hint = f"{reach.setting}; {amount(1e3 * reach.cost)} ms of CPU time for a time step of the case, roughly"
-    return LimitCell(reach.reach, amount(reach.held), reach.setting, hint)
+    hint = f"{setting}; {amount(1e3 * hold.cost)} ms of CPU time for a time step of the case, roughly"
+    return LimitCell(hold.reach, amount(hold.value), setting, hint)
 
 
 def cell(search: Search, law: str = "") -> LimitCell:

@@ -56,10 +56,10 @@ def studied(store: Store) -> list[str]:
     written = []
     if sentence := farthest(store):
         written.append(sentence)
-    if rows := [*map(effects.TABLE.flat, effects.verdicts_if_described(store))]:
+    if rows := effects.verdicts_if_described(store):
         written += effects.sentences(rows, accusing=False, titles=titles(store))
-    if rows := determinism.TABLE.rows(store):
-        written += determinism.sentences(rows, titles(store))
+    if repeated := determinism.repetitions(store):
+        written += determinism.sentences(repeated, titles(store))
     return written
 
 

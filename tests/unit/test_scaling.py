@@ -7,8 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from plumbline.harness.findings.costs import TELLING, Cost, no_worse
-from plumbline.harness.findings.tables.scaling import COLUMNS, TABLE, Scaling
+from plumbline.harness.findings.tables.scaling import COLUMNS, TABLE, TELLING, Cost, Scaling, no_worse
 from plumbline.harness.statistics.bootstrap import ratio
 from plumbline.harness.store.journal import Journal
 from plumbline.harness.store.record import Measurement, Record, Sample, Timing

@@ -1,30 +1,33 @@
-"""What each effect costs, what its absence does, and whether it was needed: the rows of the effects table."""
+"""What each effect costs, what its absence does, whether it was needed, and so whether scenes call for exactly the effects that
+they need, and what leaving the others out saves."""
 
 import json
+import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from operator import attrgetter
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
 from plumbline.harness.case.alteration import EVERYTHING, REFINED
-from plumbline.harness.findings.columns import Cell, Column, Row, Table, known, names, outcome, side
+from plumbline.harness.case.undropped import called
+from plumbline.harness.findings.columns import Cell, Column, Table, bracketed, known, names, outcome, side
 from plumbline.harness.findings.cost_point import BlockSample, SampledBlock, ratio_in_blocks, samples_by_block
-from plumbline.harness.findings.effects_audit import (
-    AS_IT_IS,
-    JUDGE,
-    NOT_JUDGED,
-    audit,
-    named_scene,
-    proposed,
-    savings,
-    scenes_of,
-)
 from plumbline.harness.findings.once import all_once
 from plumbline.harness.findings.parameter_words import differing, in_words
 from plumbline.harness.search.needless_effects import Consequence, Scale, departure, matters, scale_in, weighed
 from plumbline.harness.statistics.interval import Interval
+from plumbline.harness.store.rows import grouped
 from plumbline.harness.store.store import Store
+
+JUDGE = "reference"
+"""The engine that can leave every effect out: what is needed is decided on it, where it was asked and has converged."""
+NOT_JUDGED = "not judged"
+AS_IT_IS = "as it is"
+UNANSWERED = ("diverged", "unsupported", "unavailable", "timeout", "oom", "crashed", "interrupted")
+"""Statuses that stand as verdicts where a run gave no answer."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -214,7 +217,136 @@ def _price(cost: Any, base: Any, samples: Sampled) -> Interval | None:
     return ratio_in_blocks(samples.get(cost.trial, {}), samples.get(base.trial, {}))
 
 
-def sentences(rows: Sequence[Row], *, accusing: bool = True, titles: Mapping[str, str] | None = None) -> list[str]:
+@dataclass(frozen=True, slots=True)
+class Audit:
+    """Whether each scene calls for exactly what it needs.
+
+    Terms:
+        judge: the engine that was asked, '' where no engine left effects out on its tuned track. judged: its rows that say
+        something. failed: those of them that are against the scene: an effect that does not matter is on, or one that matters
+        is off. open: its rows that say nothing, since it gave no answer or has not converged: for these nothing is proposed.
+    """
+
+    judge: str
+    judged: tuple[EffectVerdict, ...]
+    failed: tuple[EffectVerdict, ...]
+    open: tuple[EffectVerdict, ...] = ()
+
+    @property
+    def scenes(self) -> int:
+        """How many were judged, each of their effects."""
+        return len(scenes_of(self.judged).keys() - scenes_of(self.open).keys())
+
+    @property
+    def clean(self) -> int:
+        """How many of these have nothing against them."""
+        return len(scenes_of(self.judged).keys() - scenes_of(self.open).keys() - scenes_of(self.failed).keys())
+
+    @property
+    def in_doubt(self) -> int:
+        """How many were asked about and not judged in full."""
+        return len(scenes_of(self.open))
+
+    def sentences(self, titles: Mapping[str, str] | None = None) -> list[str]:
+        """What is against the scenes, a sentence each. Args: titles: of cases, by name; without them names stand."""
+        return [_accusation(row, titles or {}) for row in self.failed]
+
+    def doubts(self, titles: Mapping[str, str] | None = None) -> list[str]:
+        """What could not be judged and why, a sentence for each scene and reason. Args: titles: of cases and engines."""
+        known = titles or {}
+        effects: dict[tuple[str, str], list[str]] = {}
+        for row in self.open:
+            why = row.reason or "no answer to compare"
+            why = why if row.verdict == NOT_JUDGED else f"{known.get(row.engine, row.engine)}: {row.verdict}: {why}"
+            what = "any effect" if row.effect == AS_IT_IS else _spelled(row.effect)
+            effects.setdefault((named_scene(row, known), why), []).append(what)
+        return [f"{scene}: nothing is said of {', '.join(names)}: {reason}" for (scene, reason), names in effects.items()]
+
+
+def audit(rows: Sequence[EffectVerdict]) -> Audit:
+    """Of the rows of the table of effects; where the judge was not asked, the first engine that was stands in for it."""
+    asked = dict.fromkeys(row.engine for row in rows if row.track == "tuned" and row.verdict != EVERYTHING)
+    judge = JUDGE if JUDGE in asked else next(iter(asked), "")
+    asked_of = tuple(row for row in rows if row.engine == judge and row.track == "tuned" and row.verdict != EVERYTHING)
+    judged = tuple(row for row in asked_of if row.verdict not in (NOT_JUDGED, *UNANSWERED))
+    failed = tuple(row for row in judged if row.verdict in ("paid for without need", "needed but missing"))
+    return Audit(judge, judged, failed, tuple(row for row in asked_of if row not in judged))
+
+
+def scenes_of(rows: Iterable[EffectVerdict]) -> dict[tuple[str, str], None]:
+    """The scenes of some rows, in their order."""
+    return dict.fromkeys((row.case, row.where) for row in rows)
+
+
+def named_scene(row: EffectVerdict, titles: Mapping[str, str] | None = None) -> str:
+    """The scene of a row: its case, and where it stands beside it. Args: titles: of cases, by name."""
+    return f"{(titles or {}).get(row.case) or called(row.case)} {row.where}".strip()
+
+
+def _spelled(effect: str) -> str:
+    return effect.replace("_", " ")
+
+
+def _accusation(row: EffectVerdict, titles: Mapping[str, str]) -> str:
+    name, effect = named_scene(row, titles), _spelled(row.effect)
+    if row.verdict == "needed but missing":
+        return f"{name}: leaves out {effect}, which matters: with it a body is moved by {_metres(row.moved)}"
+    return (
+        f"{name}: declares {effect}, which does not matter: without it no body is moved by more than "
+        f"{_metres(row.moved)}, half the step moves one by {_metres(row.own)}"
+    )
+
+
+def _metres(value: float | None) -> str:
+    return "nothing" if value is None else f"{value:.2g} m or rad"
+
+
+@dataclass(frozen=True, slots=True)
+class Saving:
+    """What everything on costs over the scene as it is, on one engine.
+
+    Terms:
+        mean, low, high: geometric mean, smallest and largest over so many scenes. summed: the time of a simulated second of
+        each of these scenes, added up, with everything on over as it is; None where no step was clocked.
+    """
+
+    engine: str
+    mean: float
+    low: float
+    high: float
+    scenes: int
+    summed: float | None
+
+
+def savings(rows: Iterable[EffectVerdict]) -> list[Saving]:
+    """One an engine."""
+    made = []
+    everything = (row for row in rows if row.verdict == EVERYTHING and row.cost is not None)
+    for engine, mine in grouped(everything, attrgetter("engine")).items():
+        costs = [row.cost.value for row in mine if row.cost is not None]
+        mean = math.exp(float(np.mean(np.log(costs))))
+        both = [(cost, row.cpu_as_it_is) for cost, row in zip(costs, mine, strict=True) if row.cpu_as_it_is]
+        whole = sum(second for _, second in both)
+        summed = sum(cost * second for cost, second in both) / whole if whole else None
+        made.append(Saving(engine, mean, min(costs), max(costs), len(costs), summed))
+    return made
+
+
+def idle(scene: tuple[str, str], rows: Sequence[EffectVerdict]) -> list[str]:
+    """The effects that a scene can do without, all together; none where nothing is known to be idle."""
+    mine = [row for row in rows if (row.case, row.where) == scene]
+    without = (row.effects for row in mine if row.verdict in ("left out together", "paid for without need"))
+    return [*max(without, key=len, default=())]
+
+
+def proposed(scene: tuple[str, str], rows: Sequence[EffectVerdict]) -> str:
+    """The minimal set of a scene that declares too much, as the line that its file needs; '' where nothing is known to be."""
+    without = idle(scene, rows)
+    name = " ".join((called(scene[0]), scene[1])).strip()
+    return f"Proposed for {name}: narrow = {json.dumps(without)}." if without else ""
+
+
+def sentences(rows: Sequence[EffectVerdict], *, accusing: bool = True, titles: Mapping[str, str] | None = None) -> list[str]:
     """What leaving effects out saves, engine by engine, and what the audit says.
 
     Args: accusing: of each scene that fails it too. titles: what engines and cases are called, by name.
@@ -240,17 +372,18 @@ def sentences(rows: Sequence[Row], *, accusing: bool = True, titles: Mapping[str
 
 
 TABLE = Table(
-    columns=tuple(name for name in names(EffectVerdict, "cost") if name != "effects"),  # the cell `effect` holds their names
+    # the cell `effect` holds the names of `effects`
+    holds=names(EffectVerdict, "effects").replace("cost..", "cost(low,high)"),
+    beside="effects",
     objects=verdicts,
-    bare="cost",
     shown=(
         Column("case", named_scene),
         Column("engine", side),
         Column("effect", "effect"),
-        Column("cost", lambda row: "" if row["cost"] is None else "x {cost:.3g} ({low:.3g}..{high:.3g})".format(**row)),
+        Column("cost", lambda row: "" if row.cost is None else f"x {row.cost.value:.3g} ({bracketed(row.cost, '.3g', '..')})"),
         Column("moves", "moved", ".2g"),
         Column("own error", "own", ".2g"),
-        Column("verdict", lambda row: row["verdict"] if row["verdict"] == "insisted on" else outcome(row, 70)),
+        Column("verdict", lambda row: row.verdict if row.verdict == "insisted on" else outcome(row, 70)),
     ),
     sentences=sentences,
 )

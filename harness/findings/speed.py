@@ -50,6 +50,11 @@ class Speed:
         return self.over is not None
 
     @property
+    def unstable(self) -> bool:
+        """Was the timing of a run that it leans on marked so?"""
+        return self.at.unstable or (self.over is not None and self.over.unstable)
+
+    @property
     def step(self) -> str:
         """'at its nominal step', 'at dt = 2 ms'; '' if the figures are those of the error asked for."""
         if self.at_error:

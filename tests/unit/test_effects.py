@@ -113,7 +113,7 @@ def audited(studied: Studied) -> Audited:
 
 def against(found: Sequence[EffectVerdict]) -> list[str]:
     """What the audit has against the scenes."""
-    return audit([asdict(one) for one in found]).sentences()
+    return audit(found).sentences()
 
 
 def test_a_scene_that_calls_for_what_it_needs_passes(audited: Audited) -> None:
@@ -147,12 +147,12 @@ def test_a_planted_gap_fails(audited: Audited) -> None:
 def test_another_engine_stands_in_for_the_judge_and_is_named(audited: Audited) -> None:
     """What the page, the table and the sentences say comes of the same rows, whoever was asked."""
     surplus = audited(case_of("slide_made", sliding(widen=Effect.GYROSCOPIC)))
-    elsewhere = [asdict(one) | {"engine": "another"} for one in surplus]
+    elsewhere = [replace(one, engine="another") for one in surplus]
     told = audit(elsewhere)
     assert (told.judge, told.scenes, len(told.failed)) == ("another", 1, 1)
-    both = audit([asdict(one) for one in surplus if one.effect != "gyroscopic"] + elsewhere)
+    both = audit([one for one in surplus if one.effect != "gyroscopic"] + elsewhere)
     assert (both.judge, both.failed) == ("reference", ())
-    assert audit([row for row in elsewhere if row["verdict"] == EVERYTHING]).judge == ""
+    assert audit([one for one in elsewhere if one.verdict == EVERYTHING]).judge == ""
 
 
 def test_what_a_case_insists_on_is_no_surplus(audited: Audited) -> None:
@@ -285,13 +285,13 @@ def test_a_judge_without_an_answer_judges_nothing(studied: Studied) -> None:
     """Neither the whole scene, where it diverges as it is, nor an effect without which it gives no answer."""
     sound = plugins.adapter("reference")
     lost = plant(sound, simulation=Lost)
-    told = TABLE.rows(studied(case_of("slide_made", sliding()), lost))
+    told = verdicts(studied(case_of("slide_made", sliding()), lost))
     assert audit(told).judged == ()
     assert sentences(told) == [
         "Audit: slide_made: nothing is said of any effect: reference: diverged: by step 1 of 60 (t = 0 s): lost."
     ]
-    plain = [asdict(one) for one in verdicts(studied(case_of("slide_more", sliding()), sound))]
-    late = [row | ({"verdict": "timeout", "reason": "late"} if row["effect"] == "contact" else {}) for row in plain]
+    plain = verdicts(studied(case_of("slide_more", sliding()), sound))
+    late = [replace(one, verdict="timeout", reason="late") if one.effect == "contact" else one for one in plain]
     assert (audit(plain).scenes, audit(late).scenes) == (1, 0)
     assert audit(late).doubts() == ["slide_more: nothing is said of contact: reference: timeout: late"]
     titles = {"slide_more": "Sliding on", "reference": "Plumbline reference engine"}
@@ -355,13 +355,13 @@ def test_a_judge_that_is_itself_wrong_proposes_nothing_and_says_so(
     sound = plugins.adapter("reference")
     wrong = replace(plant(sound, simulation=partial(Wrong, aside=aside)), name=name)
     store = studied(case_of("slide_made", sliding(widen=Effect.GYROSCOPIC)), wrong)
-    told = {row["effect"]: row for row in TABLE.rows(store)}
-    assert told["friction"]["verdict"] == NOT_JUDGED
-    assert told["friction"]["reason"].startswith(f"{name}: has not converged: halving the step moves a body by ")
-    found = audit(list(told.values()))
+    told = {one.effect: one for one in verdicts(store)}
+    assert told["friction"].verdict == NOT_JUDGED
+    assert told["friction"].reason.startswith(f"{name}: has not converged: halving the step moves a body by ")
+    found = audit([*told.values()])
     assert found.failed == ()
-    assert {"friction", "gyroscopic"} <= {row["effect"] for row in found.open}
-    said = sentences(list(told.values()))
+    assert {"friction", "gyroscopic"} <= {one.effect for one in found.open}
+    said = sentences([*told.values()])
     assert not any("Proposed" in one or "declares" in one for one in said)
     (doubt,) = (one for one in said if "nothing is said of" in one)
     assert "friction" in doubt

@@ -159,7 +159,7 @@ def test_the_table_of_limits_names_together_whose_brackets_meet_and_not_who_took
 
 def test_the_table_of_steps_ranks_what_can_be_deployed_as_every_other_table_does() -> None:
     told = [*ladder("a", "reference", 1e-3), *ladder("a", "dart", 4e-3), *ladder("a", "bullet", 4e-3)]
-    (sentence,) = steps.TABLE.sentences(steps.TABLE.rows(Priced(told)))
+    (sentence,) = steps.TABLE.said(Priced(told))
     paced = {name: f"{name} (tuned) at dt = 1/10 s" for name in ("dart", "bullet", "reference")}
     assert sentence.startswith(
         f"a: to stay within 1 %, of the steps that were run, fastest {paced['dart']}, 25 times real time"

@@ -200,7 +200,7 @@ def test_efficiency_is_the_rate_of_all_over_as_many_times_the_rate_of_one(beside
         assert row.units == 1
         assert row.cpu is not None
         assert row.cpu.value == pytest.approx(1e-5)
-    short = [" ".join(map(str, TABLE.brief(row))) for row in beside.rows()]
+    short = [" ".join(map(str, TABLE.brief(row))) for row in beside.rows]
     assert any("200,000 a second, efficiency 0.50" in line for line in short)
     assert any("1.2 x the step alone" in line for line in short)
 

@@ -49,7 +49,7 @@ def test_every_channel_of_every_sensor_is_a_row_with_the_named_columns(store: St
         ("imu", "accelerometer"), ("imu", "gyroscope"), ("lidar", "range"), ("lidar", "intensity"),
         ("depth", "depth"), ("camera", "colour"), ("camera", "depth"), ("camera", "body"),
     ]  # fmt: skip
-    assert all(tuple(row) == table.COLUMNS for row in rows)
+    assert all(tuple(row) == table.TABLE.columns for row in rows)
     assert [len(table.TABLE.brief(row)) for row in table.TABLE.objects(store)] == [len(table.TABLE.shown)] * len(rows)
 
 

@@ -56,5 +56,5 @@ def test_tables_tell_the_sub_steps_beside_the_step(store: Store) -> None:
     (row,) = (
         row for row in steps.TABLE.objects(store) if (row.case, row.engine, row.track) == ("stack_tower", "bullet", "tuned")
     )
-    assert row["stable_substeps"] == 4
+    assert row.stable_substeps == 4
     assert "1/60 s (4 sub-steps)" in str(steps.TABLE.brief(row))

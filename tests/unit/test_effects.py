@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import asdict, replace
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
@@ -33,6 +33,7 @@ from plumbline.harness.scene import Body, Box, Effect, PlacedShape, Plane, Scene
 from plumbline.harness.scene.file import dump_toml
 from plumbline.harness.scene.importers.companion import beside, load_companion
 from plumbline.harness.search.needless_effects import FLOOR, Consequence, Scale, compared, departure, scale_of, weighed
+from plumbline.harness.statistics.interval import Interval
 from plumbline.harness.store.record import Record
 from plumbline.harness.store.store import Store
 from plumbline.harness.study import plugins
@@ -176,7 +177,7 @@ def test_the_minimal_set_is_found_by_leaving_out_together(audited: Audited) -> N
     assert [one.effects for one in found if one.verdict == "left out together"] == [("friction", "gyroscopic")]
     assert "friction, gyroscopic" in {one.effect for one in found}
     (scene,) = {(one.case, one.where) for one in found}
-    assert idle(scene, [asdict(one) for one in found]) == ["friction", "gyroscopic"]
+    assert idle(scene, found) == ["friction", "gyroscopic"]
 
 
 def test_the_minimal_set_is_a_file_that_can_be_run(tmp_path: Path, studied: Studied) -> None:
@@ -187,7 +188,7 @@ def test_the_minimal_set_is_a_file_that_can_be_run(tmp_path: Path, studied: Stud
     (tmp_path / "my_ball.plumb.toml").write_text("duration = 0.25\nseed = 3\n")
     case = plugins.case(f"{plugins.SCENE_PREFIX}{path}")
     store = studied(case, plugins.adapter("reference"))
-    told = [sentence for sentence in sentences(TABLE.rows(store)) if "gyroscopic" in sentence]
+    told = [sentence for sentence in TABLE.said(store) if "gyroscopic" in sentence]
     assert told[0].startswith("Audit: My ball: declares gyroscopic")
     assert str(path) not in " ".join(told)
     written = write_minimal(store, case)
@@ -394,8 +395,12 @@ def test_a_departure_says_which_effects_it_is_about_in_a_record_and_in_a_table()
 
 def test_the_saving_is_a_mean_of_ratios_and_a_ratio_of_sums() -> None:
     told = [("a", 2.0, 1.0), ("b", 0.5, 3.0), ("rays", 4.0, None)]
-    rows = [{"engine": "e", "verdict": EVERYTHING, "cost": c, "cpu_as_it_is": s, "case": name} for name, c, s in told]
-    (one,) = savings([*rows, {"engine": "e", "verdict": "needed and on", "cost": 9.0, "cpu_as_it_is": 1.0}])
+
+    def row(verdict: str, cost: float, second: float | None, case: str = "") -> SimpleNamespace:
+        return SimpleNamespace(engine="e", verdict=verdict, cost=Interval(cost), cpu_as_it_is=second, case=case)
+
+    rows = [row(EVERYTHING, cost, second, name) for name, cost, second in told]
+    (one,) = savings([*rows, row("needed and on", 9.0, 1.0)])
     assert one.mean == pytest.approx(4.0 ** (1 / 3))
     assert (one.low, one.high, one.scenes) == (0.5, 4.0, 3)
     assert one.summed == pytest.approx((2.0 * 1.0 + 0.5 * 3.0) / 4.0)

@@ -26,8 +26,8 @@ class SideVerdict:
 
     Terms: finding: the verdict in a sentence; said: what is known of the scene, in sentences. errors: of each run from coarse
     to fine, from the agreed limit, from the engine's own where none is; None without an answer. costs: CPU seconds per
-    simulated second of each run, None where it was not clocked. lost: what leaving out elements that the user dropped does, where the
-    engine was also run with them.
+    simulated second of each run, None where it was not clocked. lost: what leaving out elements that the user dropped does,
+    where the engine was also run with them.
     """
 
     agreement: Agreement

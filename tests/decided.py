@@ -17,7 +17,7 @@ __all__ = ["decided"]
 def decided(store: Store) -> tuple[int, int, dict[str, tuple[str, float]]]:
     """Prices of engines to deploy that are known by more than a bound, all that these engines have, and who is first in what
     share of resamples by purpose."""
-    prices = [price for price in priced(store).prices if price.cost is not None and not is_reference(price.engine)]
+    prices = [price for price in priced(store).prices if price.reached is not None and not is_reference(price.engine)]
     first: dict[str, tuple[str, float]] = {}
     for name in preset_names():
         rank = choose(store, read_preset(name).wish()).rank

@@ -27,7 +27,7 @@ def write_minimal(store: "Store", case: "Case") -> tuple[Path, list[str]] | None
 
     Returns: the file and the effects; None where the audit proposes nothing. Raises: OSError.
     """
-    audited = audit(effects.TABLE.rows(store))
+    audited = audit(effects.verdicts(store))
     without = [idle(scene, audited.judged) for scene in scenes_of(audited.failed) if scene[0] == case.name]
     if not without or not without[0]:
         return None

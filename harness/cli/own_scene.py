@@ -74,6 +74,6 @@ def closing_words(store: "Store") -> list[str]:
     from plumbline.harness.findings.agreement.found import agreements
     from plumbline.harness.findings.tables.recorded import joint_errors, recorded_words
 
-    verdicts, effects = (table.sentences(table.rows(store)) for table in map(tables.table, ("agreement", "effects")))
+    verdicts, effects = (table.said(store) for table in map(tables.table, ("agreement", "effects")))
     best = [f"Set: {words}" for agreement in agreements(store) if (words := best_setting(store, agreement))]
     return [*verdicts, *recorded_words(joint_errors(store), store.titles), *cost_words(store), *best, *effects]

@@ -3,7 +3,7 @@ it, and the dataset that it may become.
 """
 
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,8 +14,9 @@ from plumbline.harness.cli.listing import print_csv, print_json, print_latex, pr
 from plumbline.harness.cli.options import limited, opened, run_folder
 from plumbline.harness.cli.own_scene import shown_status
 from plumbline.harness.findings import tables
-from plumbline.harness.findings.columns import Column, Row, Titles, headings, milli, span
+from plumbline.harness.findings.columns import Column, Titles, headings, milli, span
 from plumbline.harness.findings.parameter_words import step_in_words, substeps_of
+from plumbline.harness.statistics.interval import Interval
 
 if TYPE_CHECKING:
     from plumbline.harness.store.store import Store
@@ -47,6 +48,12 @@ def show(folder: Path, table: str, form: str) -> None:
     if worked_out is not None and form in ("markdown", "latex"):
         _print_for_paper(store, form, worked_out.printed(store, lambda: _titles_of(store)))
         return
+    if worked_out is not None and form == "text":
+        objects = tuple(worked_out.objects(store))
+        print_table(table, headings(worked_out.shown), objects, worked_out.brief)
+        for sentence in worked_out.sentences(objects):
+            say(sentence)
+        return
     rows, columns = _stored(store, table) if worked_out is None else (worked_out.rows(store), worked_out.columns)
     if form == "json":
         print_json(rows)
@@ -55,10 +62,6 @@ def show(folder: Path, table: str, form: str) -> None:
     elif form in ("markdown", "latex"):
         whole = list(columns), [[row[name] for name in columns] for row in rows]
         _print_for_paper(store, form, _paper_trials(store, rows) if table == "trials" else whole)
-    elif worked_out is not None:
-        print_table(table, headings(worked_out.shown), rows, worked_out.brief)
-        for sentence in worked_out.sentences(rows):
-            say(sentence)
     else:
         shown = _shown_trials(rows) if table == "trials" else [Column(name, _short(name)) for name in columns]
         print_table(table, headings(shown), rows, lambda row: [column.cell(row) for column in shown])
@@ -82,7 +85,7 @@ def _titles_of(store: "Store") -> Titles:
     return Titles(of_cases, {name: str(engine["title"]) for name, engine in engines(store).items()})
 
 
-def _paper_trials(store: "Store", rows: Sequence[Row]) -> tuple[list[str], list[list[object]]]:
+def _paper_trials(store: "Store", rows: Sequence[Mapping[str, Any]]) -> tuple[list[str], list[list[object]]]:
     """The table of trials as a paper prints it: titles for names, units in headings, digits that count."""
     titles, cases, table = _titles_of(store), store.catalogue.get("cases", {}), store.measurements
     values = {
@@ -90,7 +93,7 @@ def _paper_trials(store: "Store", rows: Sequence[Row]) -> tuple[list[str], list[
         for trial, metric, value, unit in zip(table["trial"], table["metric"], table["value"], table["unit"], strict=True)
     }
 
-    def error(row: Row) -> tuple[float | None, str]:
+    def error(row: Mapping[str, Any]) -> tuple[float | None, str]:
         return values.get((row["trial"], cases.get(row["case"], {}).get("headline", "")), (None, ""))
 
     columns = (
@@ -102,18 +105,18 @@ def _paper_trials(store: "Store", rows: Sequence[Row]) -> tuple[list[str], list[
         Column("Error", lambda row: error(row)[0]),
         Column("Unit", lambda row: error(row)[1]),
         Column("CPU time [ms/s]", lambda row: milli(row["cpu_per_sim_s"])),
-        Column("95 % interval", lambda row: span(milli(row["cpu_low"]), milli(row["cpu_high"]))),
+        Column("95 % interval", lambda row: span(Interval(row["cpu_per_sim_s"], row["cpu_low"], row["cpu_high"]), 1e3)),
         Column("Outcome", "status"),
     )
     return headings(columns), [[column.cell(row) for column in columns] for row in rows]
 
 
-def _short(name: str) -> Callable[[Row], object]:
+def _short(name: str) -> Callable[[Mapping[str, Any]], object]:
     """What makes a cell of a stored value: numbers in four digits."""
     return lambda row: f"{row[name]:.4g}" if isinstance(row[name], float) else row[name]
 
 
-def _shown_trials(rows: Sequence[Row]) -> list[Column]:
+def _shown_trials(rows: Sequence[Mapping[str, Any]]) -> list[Column]:
     """What a terminal has room for of the trials."""
     recalled = ["recalled"] if any(row["recalled"] for row in rows) else []
     return [
@@ -251,7 +254,7 @@ def figure(folder: Path, case: str, chart: str | None, form: str, width: int, ou
     from plumbline.harness.store import disk
     from plumbline.reports.html.drawing import Drawing
     from plumbline.reports.html.written import NotWritten, picture_file
-    from plumbline.reports.paper.figures import Printed, figures_of
+    from plumbline.reports.paper.printing import Printed, figures_of
 
     store = opened(folder)
     _known(store, case)

@@ -68,7 +68,7 @@ def failures(store: "Store") -> list[str]:
     from plumbline.harness.findings.effects_audit import audit
     from plumbline.harness.findings.parameter_words import step_in_words, substeps_of
     from plumbline.harness.findings.tables import determinism, dominance
-    from plumbline.harness.findings.tables.effects import TABLE
+    from plumbline.harness.findings.tables.effects import verdicts
 
     ours = [name for name in store.trials["engine"].unique() if store.described("engines", name)["ours"]]
     # Bounds are meant for the steps that a study names, not for those that a sweep goes on to.
@@ -82,7 +82,7 @@ def failures(store: "Store") -> list[str]:
         for row in broken.itertuples()
     ]
     sentences += [f"determinism: {sentence}" for sentence in determinism.broken(determinism.repetitions(store), ours)]
-    sentences += [f"audit: {sentence}" for sentence in audit(TABLE.rows(store)).gating.sentences()]
+    sentences += [f"audit: {sentence}" for sentence in audit(verdicts(store)).gating.sentences()]
     return sentences + [f"dominance: {sentence}" for sentence in dominance.unexcused(store)]
 
 

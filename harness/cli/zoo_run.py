@@ -68,8 +68,7 @@ def run_zoo(
     except KeyboardInterrupt:
         stop(INTERRUPTED, f"interrupted; what finished is in {folder}; go on with the same command and --resume")
     say(closing_count(store), err=True)
-    rows = table("zoo").rows(store)
-    for sentence in table("zoo").sentences(rows):
+    for sentence in table("zoo").said(store):
         say(sentence, err=True)
     say("writing the report", err=True)
     report = present(store, recordings=False)

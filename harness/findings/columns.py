@@ -1,20 +1,19 @@
 """One description of a table, for the terminal, CSV, JSON, Markdown and LaTeX.
 
-A table is a list of objects with fields. CSV and JSON hold the fields as they are; a terminal and a paper have room for fewer,
-in words of their own.
+A table is a list of objects. CSV and JSON hold their fields, and those of their parts, as they are; a terminal and a paper have
+room for fewer, in words of their own.
 """
 
+import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields
+from functools import cache
 from typing import TYPE_CHECKING, Any, NamedTuple, get_args
 
 from plumbline.harness.statistics.interval import Interval
 
 if TYPE_CHECKING:
     from plumbline.harness.store.store import Store
-
-Row = Mapping[str, Any]
-"""A flat row: the fields of an object by name."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -47,19 +46,19 @@ class Titles(NamedTuple):
     cases: Mapping[str, str]
     engines: Mapping[str, str]
 
-    def scene(self, row: Any) -> str:
+    def scene(self, each: Any) -> str:
         """'A tower of boxes, n 4': a case and what tells its scene from others of it."""
-        return self.cases[row.case] + (f", {row.where}" if row.where else "")
+        return self.cases[each.case] + (f", {each.where}" if each.where else "")
 
-    def engine(self, row: Any) -> str:
-        """The title of a row's engine."""
-        return self.engines[row.engine]
+    def engine(self, each: Any) -> str:
+        """The title of an object's engine."""
+        return self.engines[each.engine]
 
 
 class Column(NamedTuple):
     """What stands under a heading.
 
-    Terms: value: the name of a field, or what makes a cell of a row. form: the format of a number; None makes an empty
+    Terms: value: the path of a field, or what makes a cell of an object. form: the format of a number; None makes an empty
     cell then. unit: what follows the number.
     """
 
@@ -68,12 +67,9 @@ class Column(NamedTuple):
     form: str = ""
     unit: str = ""
 
-    def cell(self, row: Any) -> object:
-        """The cell of a flat row, or of an object."""
-        if callable(self.value):
-            value = self.value(row)
-        else:
-            value = row[self.value] if isinstance(row, Mapping) else getattr(row, self.value)
+    def cell(self, each: Any) -> object:
+        """The cell of an object."""
+        value = self.value(each) if callable(self.value) else at(each, self.value)
         if not self.form:
             return value
         return "" if value is None else f"{value:{self.form}}{self.unit}"
@@ -86,40 +82,85 @@ class Titled(NamedTuple):
     value: Callable[[Titles, Any], object]
 
 
+class _Flat(NamedTuple):
+    """Columns of flat rows, one or those of an interval, the path of what stands in them, and what does where it is missing."""
+
+    columns: tuple[str, ...]
+    path: str
+    none: str | None
+
+
+_FLAT = re.compile(r"(\w+)(\.\.|\((\w+),(\w+)\))?(\?)?(?:=([\w.]+))?")
+
+
+@cache
+def _flat(text: str) -> tuple[_Flat, ...]:
+    columns = []
+    for word in text.split():
+        name, interval, low, high, or_blank, path = _FLAT.fullmatch(word).groups()  # type: ignore[union-attr]
+        ends = () if interval is None else (low or f"{name}_low", high or f"{name}_high")
+        columns.append(_Flat((name, *ends), path or name, "" if or_blank else None))
+    return tuple(columns)
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Table:
     """A table of a run folder.
 
-    Terms: columns: of the flat rows, in this order. objects: what the rows are made of; row: an object as a row, where it is
-    not its fields; bare: as `spread` takes it. shown: what a terminal has room for. sentences: what is said below the rows.
-    paper: what a paper prints of the objects; nothing where it prints what a terminal shows.
+    Terms: holds: the columns of flat rows in their order, parted by blanks: 'dt' is the field of an object, 'dt=at.dt' that of
+    its part `at` under this name, 'cost..' an interval as cost, cost_low and cost_high, 'cost(low,high)' as cost, low and high;
+    what an object, or a part of it, does not have is None, or '' where the column is 'track?'. beside: likewise, what programs
+    are told and a sheet has no room for. objects: what the rows are made of. shown: what a terminal has room for. sentences:
+    what is said below the objects. paper: what a paper prints of them; nothing where it prints what a terminal shows.
     """
 
-    columns: Sequence[str]
+    holds: str
+    beside: str = ""
     objects: Callable[["Store"], Iterable[Any]]
-    row: Callable[[Any], dict[str, Any]] | None = None
-    bare: str = ""
     shown: Sequence[Column]
-    sentences: Callable[[Sequence[Row]], list[str]] = lambda _: []
+    sentences: Callable[[Sequence[Any]], list[str]] = lambda _: []
     paper: Sequence[Column | Titled] = ()
 
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """The names of the columns of a sheet."""
+        return tuple(name for flat in _flat(self.holds) for name in flat.columns)
+
     def flat(self, each: Any) -> dict[str, Any]:
-        """An object as a flat row."""
-        return spread(each, self.bare) if self.row is None else self.row(each)
+        """An object as a flat row, with at least these columns."""
+        row: dict[str, Any] = {}
+        for columns, path, none in _flat(f"{self.holds} {self.beside}"):
+            value = at(each, path)
+            if len(columns) == 1:
+                row[columns[0]] = none if value is None else value
+            else:
+                row |= zip(columns, value or (None, None, None), strict=True)
+        return row
 
     def rows(self, store: "Store") -> list[dict[str, Any]]:
-        """Flat rows with at least these columns."""
+        """All flat rows."""
         return [self.flat(each) for each in self.objects(store)]
 
-    def brief(self, row: Row) -> list[object]:
-        """The cells of a flat row for a terminal."""
-        return [column.cell(row) for column in self.shown]
+    def said(self, store: "Store") -> list[str]:
+        """What is said of a store."""
+        return self.sentences(tuple(self.objects(store)))
+
+    def brief(self, each: Any) -> list[object]:
+        """The cells of an object for a terminal."""
+        return [column.cell(each) for column in self.shown]
 
     def printed(self, store: "Store", titles: Callable[[], Titles]) -> tuple[list[str], list[list[object]]]:
         """Headings and cells for a paper: the table's own, or what a terminal shows."""
         if not self.paper:
-            return headings(self.shown), list(map(self.brief, self.rows(store)))
+            return headings(self.shown), list(map(self.brief, self.objects(store)))
         return headings(self.paper), cells(self.paper, self.objects(store), titles())
+
+
+def at(each: Any, path: str) -> Any:
+    """What stands at 'fit.order' of an object or a mapping; None where a part is missing."""
+    for name in path.split("."):
+        each = each.get(name) if isinstance(each, Mapping) else getattr(each, name, None)
+    return each
 
 
 def cells(columns: Sequence[Column | Titled], objects: Iterable[Any], titles: Titles) -> list[list[object]]:
@@ -140,47 +181,32 @@ def plain(*columns: str) -> list[Column]:
     return [Column(name, name) for name in columns]
 
 
-def names(of: type, bare: str = "") -> tuple[str, ...]:
-    """The names of a dataclass's fields, each interval as `spread` has it."""
-    return tuple(
-        name
-        for field in fields(of)
-        for name in (_interval_columns(field.name, bare) if Interval in (field.type, *get_args(field.type)) else (field.name,))
-    )
+def names(of: type, *without: str, part: str = "") -> str:
+    """The fields of a dataclass as `Table.holds` takes them, but for some. Args: part: of the objects, that has the fields."""
+    known = [field for field in fields(of) if field.name not in without]
+    intervals = (".." if Interval in (field.type, *get_args(field.type)) else "" for field in known)
+    paths = (f"={part}.{field.name}" if part else "" for field in known)
+    return " ".join(f"{field.name}{ends}{path}" for field, ends, path in zip(known, intervals, paths, strict=True))
 
 
-def spread(each: Any, bare: str = "") -> dict[str, Any]:
-    """The fields of an object as a flat row: an interval is three columns, `cost`, `cost_low` and `cost_high`.
-
-    Args: bare: the interval whose ends are called `low` and `high` alone.
-    """
-    row: dict[str, Any] = {}
-    for field in fields(each):
-        value = getattr(each, field.name)
-        if Interval in (field.type, *get_args(field.type)):
-            row |= zip(_interval_columns(field.name, bare), value or (None, None, None), strict=True)
-        else:
-            row[field.name] = value
-    return row
-
-
-def _interval_columns(name: str, bare: str) -> tuple[str, str, str]:
-    return (name, "low", "high") if name == bare else (name, f"{name}_low", f"{name}_high")
-
-
-def scene(row: Row) -> str:
+def scene(each: Any) -> str:
     """'friction_slip_to_roll speed 5.5': a case with what tells its scene from others of it."""
-    return f"{row['case']} {row['where']}".strip()
+    return f"{each.case} {each.where or ''}".strip()
 
 
-def side(row: Row) -> str:
+def side(each: Any) -> str:
     """An engine with its track."""
-    return f"{row['engine']}/{row['track']}"
+    return f"{each.engine}/{each.track}"
 
 
-def outcome(row: Row, length: int) -> str:
-    """The verdict of a row with so many characters of its reason."""
-    return f"{row['verdict']}: {row['reason'][:length]}" if row["reason"] else str(row["verdict"])
+def outcome(each: Any, length: int) -> str:
+    """A verdict with so many characters of its reason."""
+    return f"{each.verdict}: {each.reason[:length]}" if each.reason else str(each.verdict)
+
+
+def bracketed(value: Interval | None, form: str, parted: str = " .. ") -> str:
+    """The ends of an interval; nothing of none."""
+    return "" if value is None else f"{value.low:{form}}{parted}{value.high:{form}}"
 
 
 def milli(value: float | None) -> float | None:
@@ -188,9 +214,9 @@ def milli(value: float | None) -> float | None:
     return None if value is None else 1e3 * value
 
 
-def span(low: float | None, high: float | None) -> Span | None:
-    """An interval; None where an end of it is not known."""
-    return None if low is None or high is None else Span(low, high)
+def span(value: Interval | None, times: float = 1.0) -> Span | None:
+    """An interval, in another unit; None where an end of it is not known."""
+    return None if value is None or value.low is None or value.high is None else Span(times * value.low, times * value.high)
 
 
 def known(each: object | None, *names: str) -> dict[str, Any]:

@@ -29,8 +29,8 @@ class CostPoint:
 
     Terms:
         substeps: that dt was taken in. substep [s]: the step that was really taken. error: share of the scale; off: by how
-        much the truth may be off, likewise. cost, low, high: CPU seconds per simulated second or unit, with the 95 % interval;
-        of an unclocked trial the rough cost alone. emulated: the share of the cost (0 to 1) that is the adapter's own laws,
+        much the truth may be off, likewise. cost: CPU seconds per simulated second or unit, with the 95 % interval; of an
+        unclocked trial the rough cost alone. emulated: the share of the cost (0 to 1) that is the adapter's own laws,
         None where it was not measured. front: does no clocked point of the same engine beat it? best: none of any engine?
     """
 
@@ -42,9 +42,7 @@ class CostPoint:
     substeps: int
     error: float
     off: float
-    cost: float
-    low: float | None
-    high: float | None
+    cost: Interval
     clocked: bool
     unstable: bool
     status: str
@@ -81,7 +79,7 @@ def foreseen(points: Sequence[CostPoint], target: float) -> Foreseen | None:
         finer = (target / last.error) ** (1 / fit.order)
         if finer < FORESIGHT:
             continue
-        candidates.append((last.cost / finer, Foreseen(dt=last.dt * finer, order=fit.order, track=track)))
+        candidates.append((last.cost.value / finer, Foreseen(dt=last.dt * finer, order=fit.order, track=track)))
     return min(candidates, key=lambda candidate: candidate[0], default=(0.0, None))[1]
 
 

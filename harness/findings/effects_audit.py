@@ -4,8 +4,8 @@ import json
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from operator import itemgetter
-from typing import Any
+from operator import attrgetter
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,6 +13,9 @@ from plumbline.harness.case.alteration import EVERYTHING
 from plumbline.harness.case.undropped import called
 from plumbline.harness.findings.effects_jury import ALONE, TRUTH
 from plumbline.harness.store.rows import grouped
+
+if TYPE_CHECKING:
+    from plumbline.harness.findings.tables.effects import EffectVerdict
 
 NOT_JUDGED = "not judged"
 AS_IT_IS = "as it is"
@@ -32,9 +35,9 @@ class Audit:
         said: for these nothing is proposed.
     """
 
-    judged: tuple[Mapping[str, Any], ...]
-    failed: tuple[Mapping[str, Any], ...]
-    open: tuple[Mapping[str, Any], ...] = ()
+    judged: "tuple[EffectVerdict, ...]"
+    failed: "tuple[EffectVerdict, ...]"
+    open: "tuple[EffectVerdict, ...]" = ()
 
     @property
     def scenes(self) -> int:
@@ -59,8 +62,8 @@ class Audit:
         """How many effects the truth judged, how many engines that agree, and how many one engine alone."""
         spoken, by = titles or {}, dict[str, int]()
         for row in self.judged:
-            alone = row["judge"].endswith(f" {ALONE}")
-            name = row["judge"].removesuffix(f" {ALONE}")
+            alone = row.judge.endswith(f" {ALONE}")
+            name = row.judge.removesuffix(f" {ALONE}")
             who = f"{spoken.get(name, name)} {ALONE}" if alone else TRUTH if name == TRUTH else "engines that agree"
             by[who] = by.get(who, 0) + 1
         counts = ", ".join(f"{count} by {who}" for who, count in by.items())
@@ -74,16 +77,16 @@ class Audit:
             return ", ".join(spoken.get(name, name) for name in engines.split(", "))
 
         return [
-            f"{named_scene(row, spoken)}: {_spelled(row['effect'])} {_MATTERS['needed' in row['verdict']]} by "
-            f"{named(row['judge'])}; {named(row['against'])} would have it otherwise"
+            f"{named_scene(row, spoken)}: {_spelled(row.effect)} {_MATTERS['needed' in row.verdict]} by "
+            f"{named(row.judge)}; {named(row.against)} would have it otherwise"
             for row in self.judged
-            if row["against"]
+            if row.against
         ]
 
     @property
     def gating(self) -> "Audit":
         """What nobody says alone: another engine that speaks for itself may see worse than several, and gates nothing."""
-        return Audit(self.judged, tuple(row for row in self.failed if not row["judge"].endswith(f" {ALONE}")), self.open)
+        return Audit(self.judged, tuple(row for row in self.failed if not row.judge.endswith(f" {ALONE}")), self.open)
 
     def doubts(self, titles: Mapping[str, str] | None = None) -> list[str]:
         """What could not be judged and why, a sentence for each scene and reason.
@@ -92,64 +95,64 @@ class Audit:
         known = titles or {}
         effects: dict[tuple[str, str], list[str]] = {}
         for row in self.open:
-            why = row["reason"] or "no answer to compare"
-            why = why if row["verdict"] == NOT_JUDGED else f"{known.get(row['engine'], row['engine'])}: {row['verdict']}: {why}"
-            what = "any effect" if row["effect"] == AS_IT_IS else _spelled(row["effect"])
+            why = row.reason or "no answer to compare"
+            why = why if row.verdict == NOT_JUDGED else f"{known.get(row.engine, row.engine)}: {row.verdict}: {why}"
+            what = "any effect" if row.effect == AS_IT_IS else _spelled(row.effect)
             effects.setdefault((named_scene(row, known), why), []).append(what)
         return [f"{scene}: nothing is said of {', '.join(names)}: {reason}" for (scene, reason), names in effects.items()]
 
 
-def audit(rows: Sequence[Mapping[str, Any]]) -> Audit:
+def audit(rows: "Sequence[EffectVerdict]") -> Audit:
     """Of the rows of the table of effects: of each effect of a scene that of one that judges it, where there is one."""
-    asked = [row for row in rows if row["track"] == "tuned" and row["verdict"] != EVERYTHING and not _lacked(row)]
-    chosen: dict[tuple[str, str, str], Mapping[str, Any]] = {}
+    asked = [row for row in rows if row.track == "tuned" and row.verdict != EVERYTHING and not _lacked(row)]
+    chosen: dict[tuple[str, str, str], EffectVerdict] = {}
     for row in sorted(asked, key=_far_from_judging):
-        chosen.setdefault((row["case"], row["where"], row["effect"]), row)
+        chosen.setdefault((row.case, row.where, row.effect), row)
     taken = {id(row) for row in chosen.values()}
     judged = tuple(row for row in asked if id(row) in taken and not _silent(row))
     answered = scenes_of(judged)
     silent = (row for row in asked if id(row) in taken and _silent(row))
     # That one engine gives no answer at all is nothing where others do.
-    unknown = tuple(row for row in silent if row["effect"] != AS_IT_IS or (row["case"], row["where"]) not in answered)
-    return Audit(judged, tuple(row for row in judged if row["verdict"] in AGAINST), unknown)
+    unknown = tuple(row for row in silent if row.effect != AS_IT_IS or (row.case, row.where) not in answered)
+    return Audit(judged, tuple(row for row in judged if row.verdict in AGAINST), unknown)
 
 
-def _silent(row: Mapping[str, Any]) -> bool:
-    return row["verdict"] in (NOT_JUDGED, *UNANSWERED)
+def _silent(row: "EffectVerdict") -> bool:
+    return row.verdict in (NOT_JUDGED, *UNANSWERED)
 
 
-def _lacked(row: Mapping[str, Any]) -> bool:
+def _lacked(row: "EffectVerdict") -> bool:
     """Is it about an effect that the scene calls for and the engine has not? That is nothing against the scene."""
-    return (bool(row["declared"]) and "missing" in row["verdict"]) or row["verdict"] == "cannot be switched off"
+    return (bool(row.declared) and "missing" in row.verdict) or row.verdict == "cannot be switched off"
 
 
-def _far_from_judging(row: Mapping[str, Any]) -> int:
+def _far_from_judging(row: "EffectVerdict") -> int:
     """0 for a row whose engine is among those that judge, 1 where the truth does or another one, 2 where nobody does."""
-    return 2 if _silent(row) else int(row["engine"] not in row["judge"].removesuffix(f" {ALONE}").split(", "))
+    return 2 if _silent(row) else int(row.engine not in row.judge.removesuffix(f" {ALONE}").split(", "))
 
 
-def scenes_of(rows: Iterable[Mapping[str, Any]]) -> dict[tuple[str, str], None]:
+def scenes_of(rows: "Iterable[EffectVerdict]") -> dict[tuple[str, str], None]:
     """The scenes of some rows, in their order."""
-    return dict.fromkeys((row["case"], row["where"]) for row in rows)
+    return dict.fromkeys((row.case, row.where) for row in rows)
 
 
-def named_scene(row: Mapping[str, Any], titles: Mapping[str, str] | None = None) -> str:
+def named_scene(row: "EffectVerdict", titles: Mapping[str, str] | None = None) -> str:
     """The scene of a row: its case, and where it stands beside it. Args: titles: of cases, by name."""
-    return f"{(titles or {}).get(row['case']) or called(row['case'])} {row['where']}".strip()
+    return f"{(titles or {}).get(row.case) or called(row.case)} {row.where}".strip()
 
 
 def _spelled(effect: str) -> str:
     return effect.replace("_", " ")
 
 
-def _accusation(row: Mapping[str, Any], titles: Mapping[str, str]) -> str:
-    name, effect = named_scene(row, titles), _spelled(row["effect"])
-    alone = f", by {titles.get(row['engine'], row['engine'])} {ALONE}" if row["judge"].endswith(f" {ALONE}") else ""
-    if row["verdict"] == "needed but missing":
-        return f"{name}: leaves out {effect}, which matters: with it a body is moved by {_metres(row['moved'])}{alone}"
+def _accusation(row: "EffectVerdict", titles: Mapping[str, str]) -> str:
+    name, effect = named_scene(row, titles), _spelled(row.effect)
+    alone = f", by {titles.get(row.engine, row.engine)} {ALONE}" if row.judge.endswith(f" {ALONE}") else ""
+    if row.verdict == "needed but missing":
+        return f"{name}: leaves out {effect}, which matters: with it a body is moved by {_metres(row.moved)}{alone}"
     return (
         f"{name}: declares {effect}, which does not matter: without it no body is moved by more than "
-        f"{_metres(row['moved'])}, half the step moves one by {_metres(row['own'])}{alone}"
+        f"{_metres(row.moved)}, half the step moves one by {_metres(row.own)}{alone}"
     )
 
 
@@ -174,28 +177,28 @@ class Saving:
     summed: float | None
 
 
-def savings(rows: Iterable[Mapping[str, Any]]) -> list[Saving]:
+def savings(rows: "Iterable[EffectVerdict]") -> list[Saving]:
     """One an engine."""
     made = []
-    everything = (row for row in rows if row["verdict"] == EVERYTHING and row["cost"])
-    for engine, mine in grouped(everything, itemgetter("engine")).items():
-        costs = [row["cost"] for row in mine]
+    everything = (row for row in rows if row.verdict == EVERYTHING and row.cost is not None)
+    for engine, mine in grouped(everything, attrgetter("engine")).items():
+        costs = [row.cost.value for row in mine if row.cost is not None]
         mean = math.exp(float(np.mean(np.log(costs))))
-        both = [(row["cost"], row["cpu_as_it_is"]) for row in mine if row["cpu_as_it_is"]]
+        both = [(cost, row.cpu_as_it_is) for cost, row in zip(costs, mine, strict=True) if row.cpu_as_it_is]
         whole = sum(second for _, second in both)
         summed = sum(cost * second for cost, second in both) / whole if whole else None
         made.append(Saving(engine, mean, min(costs), max(costs), len(costs), summed))
     return made
 
 
-def idle(scene: tuple[str, str], rows: Sequence[Mapping[str, Any]]) -> list[str]:
+def idle(scene: tuple[str, str], rows: "Sequence[EffectVerdict]") -> list[str]:
     """The effects that a scene can do without, all together; none where nothing is known to be idle."""
-    mine = [row for row in rows if (row["case"], row["where"]) == scene]
-    without = (row["effects"] for row in mine if row["verdict"] in ("left out together", "paid for without need"))
+    mine = [row for row in rows if (row.case, row.where) == scene]
+    without = (row.effects for row in mine if row.verdict in ("left out together", "paid for without need"))
     return [*max(without, key=len, default=())]
 
 
-def proposed(scene: tuple[str, str], rows: Sequence[Mapping[str, Any]]) -> str:
+def proposed(scene: tuple[str, str], rows: "Sequence[EffectVerdict]") -> str:
     """The minimal set of a scene that declares too much, as the line that its file needs; '' where nothing is known to be."""
     without = idle(scene, rows)
     name = " ".join((called(scene[0]), scene[1])).strip()

@@ -12,6 +12,7 @@ from plumbline.harness.findings.once import all_once
 from plumbline.harness.findings.parameter_words import STEP, differing, in_words
 from plumbline.harness.search.first_break import BROKE, Bracket, ErrorAt, Ruler, bracket, unchanged
 from plumbline.harness.store.record import StoredNotice
+from plumbline.harness.store.rows import finite
 from plumbline.harness.store.store import Store
 from plumbline.harness.study.experiment import Experiment, axis_among, experiments_of
 from plumbline.harness.trial.ensemble import BROKE_BY, HEADLINE, HELD, OWN_CHECKS, STARTS
@@ -115,6 +116,11 @@ class Search:
             return ""
         ends = dict.fromkeys((self.along[0], self.along[-1]))
         return ", ".join(f"{end.error:.3g} at {end.value:.4g}" for end in ends) + f"; bar {self.along[-1].bar:.3g}"
+
+    @property
+    def noticed_in_words(self) -> str:
+        """All that the engine warned of."""
+        return "; ".join(map(str, self.noticed))
 
     @property
     def setting(self) -> str:
@@ -256,7 +262,7 @@ def _search(
         reason=reason,
         members=int(last.members if starts is None else starts["value"]),
         values=len(at),
-        cost=_number(held.rough_cost if held is not None else None),
+        cost=finite(held.rough_cost if held is not None else None),
         reach=reach,
         trial_held="" if held is None else held.trial,
         trial_broke="" if broke is None else broke.trial,
@@ -280,7 +286,7 @@ def _holds(at: Mapping[float, Any], interval: Bracket, by: Ruler) -> tuple[Hold,
         if at[value].status != "passed" or (interval.broke is not None and by.place(value) >= by.place(interval.broke)):
             continue
         answered = at[harder].status in ("passed", *BROKE)
-        cost = _number(at[value].rough_cost)
+        cost = finite(at[value].rough_cost)
         made.append(
             Hold(
                 value=value,
@@ -290,10 +296,6 @@ def _holds(at: Mapping[float, Any], interval: Bracket, by: Ruler) -> tuple[Hold,
             )
         )
     return tuple(made)
-
-
-def _number(value: float | None) -> float | None:
-    return None if value is None or value != value else float(value)
 
 
 def _signs(row: Any, readings: Mapping[str, Mapping[str, Any]]) -> Signs:

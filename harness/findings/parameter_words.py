@@ -207,18 +207,3 @@ def beside(substeps: int | None) -> str:
 def step_in_words(dt: float, substeps: int | None = 1) -> str:
     """A time step [s] as people write it, with what became of it: '1/60 s (4 sub-steps)'."""
     return (whole_part(dt) or f"{dt:.4g} s") + beside(substeps)
-
-
-def columns_with_substeps(columns: Sequence[str]) -> tuple[str, ...]:
-    """The columns of a table with one for sub-steps beside that of time steps."""
-    others = [column for column in columns if column != "substeps"]
-    return tuple(name for column in others for name in ((column, "substeps") if column == "dt" else (column,)))
-
-
-def with_substeps(store: "Store", rows: Iterable[Mapping[str, Any]]) -> list[dict[str, Any]]:
-    """Flat rows of trials with the sub-steps that each `dt` was taken in; None where there is no step."""
-    taken, flat = substeps_taken(store), []
-    for row in rows:
-        count = None if row["dt"] is None else taken.get(row["trial"], 1)
-        flat.append({name: count if name == "substeps" else row[name] for name in columns_with_substeps(tuple(row))})
-    return flat

@@ -13,7 +13,7 @@ with the step, the step at which that trend would get there is foreseen.
 import math
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from operator import attrgetter
 from typing import Any, Literal
@@ -22,12 +22,13 @@ import numpy as np
 import pandas as pd
 
 from plumbline.harness.findings.agreement.found import errors_of
-from plumbline.harness.findings.cost_point import CostPoint, Ended, SampledBlock, efforts, foreseen, samples_by_block
+from plumbline.harness.findings.cost_point import CostPoint, Ended, Foreseen, SampledBlock, efforts, foreseen, samples_by_block
 from plumbline.harness.findings.once import once
 from plumbline.harness.findings.parameter_words import substeps_of, where_of
 from plumbline.harness.statistics.bootstrap import drawn_in_groups, interval_of_drawn, medians, widening
+from plumbline.harness.statistics.interval import Interval
 from plumbline.harness.statistics.pareto import on_front, price, prices_of_draws
-from plumbline.harness.store.rows import grouped, records
+from plumbline.harness.store.rows import grouped, number, records
 from plumbline.harness.store.store import Store
 from plumbline.harness.trajectory import Floats
 
@@ -44,58 +45,88 @@ PriceVerdict = Literal["priced", "at most", "within the truth's error", "not wit
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Reached:
+    """A target that is met.
+
+    Terms: cost: with the 95 % interval. ratio: over the cheapest engine at this target that people can deploy; 1 for that
+    engine itself, below 1 for the reference engine where it costs less; None where no such engine gets there. at: the point at
+    or below the target that the price leans on. over: the next one of the same settings, which errs more; None where there is
+    none, so that the price is an upper bound.
+    """
+
+    cost: Interval
+    ratio: Interval | None
+    at: CostPoint
+    over: CostPoint | None
+
+    @property
+    def unstable(self) -> bool:
+        """Was the timing of one of both points marked so?"""
+        return self.at.unstable or (self.over is not None and self.over.unstable)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Beyond:
+    """A target that no step and setting that was run comes down to. Terms: at: the most accurate clocked point. trend: where
+    the target is met if errors go on shrinking as they do; None where none shrinks steadily."""
+
+    at: CostPoint
+    trend: Foreseen | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Silent:
+    """What it costs is not known. Terms: verdict: 'not clocked' where no point that gets there has a time, and reason says what
+    it roughly costs, where that is known; 'no answer' where no trial gave an error, and reason says why. at: the point that
+    gets there, without a time."""
+
+    verdict: Literal["not clocked", "no answer"]
+    reason: str
+    at: CostPoint | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Price:
     """What one target costs on one engine in one case.
 
-    Terms:
-        target: share of the scale. verdict: priced; at most: the cheapest point already errs less; within the truth's error:
-        the target is smaller than what the truth is known to; not within the ladder: no step and setting that was run gets
-        there; not clocked: no point that gets there has a time, and reason says what it roughly costs, where that is known; no
-        answer: no trial gave an error, and reason says why.
-        unit: what cost counts: 'simulated second', or 'ray' and the like. cost with the 95 % interval low..high; ratio: over
-        the cheapest engine at this target that people can deploy, with its interval; 1 for that engine itself, below 1 for the
-        reference engine where it costs less; None where no such engine gets there. best_error: the smallest of all its clocked
-        points. finest_dt [s]: the finest step of all its points, finest_substeps: that it was taken in.
-        foreseen_dt [s]: of a target not within the ladder, the step at which it is met if the error of the settings
-        foreseen_track goes on shrinking with the order foreseen_order; None where no error shrinks steadily. track, dt,
-        substeps, trial: the point at or below the target that the price leans on. unstable: was its timing, or its neighbour's,
-        marked so? emulated: the share of that point's cost (0 to 1) that is the adapter's own laws, None where it was not
-        measured. tried: settings of the engine in this case whose answers differ; ended: why there are no more.
+    Terms: target: share of the scale. unit: what cost counts: 'simulated second', or 'ray' and the like. cheapest: of the
+    engines that people can deploy. best: the most accurate of all its clocked points, finest: that of the finest step of all
+    its points; None without one. tried: settings of the engine in this case whose answers differ; ended: why there are no more.
     """
 
     case: str
     where: str
     target: float
     engine: str
-    verdict: PriceVerdict
     unit: str
-    cost: float | None = None
-    low: float | None = None
-    high: float | None = None
-    ratio: float | None = None
-    ratio_low: float | None = None
-    ratio_high: float | None = None
+    outcome: Reached | Beyond | Silent
     cheapest: bool
-    best_error: float | None = None
-    finest_dt: float | None
-    finest_substeps: int | None
-    foreseen_dt: float | None = None
-    foreseen_order: float | None = None
-    foreseen_track: str = ""
-    track: str = ""
-    dt: float | None = None
-    substeps: int | None = None
-    trial: str = ""
-    unstable: bool = False
-    emulated: float | None = None
-    reason: str = ""
+    best: CostPoint | None
+    finest: CostPoint | None
     tried: int
     ended: Ended
 
+    @property
+    def verdict(self) -> PriceVerdict:
+        """priced; at most: the cheapest point already errs less; within the truth's error: the target is smaller than what the
+        truth is known to; not within the ladder; or that of one that is silent."""
+        match self.outcome:
+            case Reached(at=at, over=over):
+                return "within the truth's error" if self.target < at.off else "priced" if over is not None else "at most"
+            case Beyond():
+                return "not within the ladder"
+            case silent:
+                return silent.verdict
 
-def number(value: Any) -> float:
-    """A finite number, or nan."""
-    return float(value) if value is not None and pd.notna(value) else math.nan
+    @property
+    def reached(self) -> Reached | None:
+        """The outcome of a target that is met."""
+        return self.outcome if isinstance(self.outcome, Reached) else None
+
+    @property
+    def unstable(self) -> bool:
+        """Was a timing that it leans on marked so?"""
+        return self.reached is not None and self.reached.unstable
 
 
 class Prices:
@@ -174,9 +205,7 @@ class Prices:
             substeps=substeps_of(str(row["resolved"])),
             error=max(error / scale, LEAST),
             off=off / scale if math.isfinite(off) else 0.0,
-            cost=cost,
-            low=low if clocked else None,
-            high=high if clocked else None,
+            cost=Interval(cost, low, high) if clocked else Interval(cost),
             clocked=clocked,
             unstable=clocked and bool(row["unstable_timing"]),
             status=row["status"],
@@ -220,71 +249,48 @@ class Prices:
         of_engine = {engine: [p for p in here if p.engine == engine] for engine in dict.fromkeys(trials["engine"])}
         lists = {engine: List(mine, draw, targets) for engine, mine in of_engine.items()}
         lacking = {e: without(trials[trials["engine"] == e], here, e) for e, costs in lists.items() if costs.best is None}
-        searched = {engine: _searched(of_engine[engine], *spent) for engine, spent in efforts(self._store, trials).items()}
+        spent = efforts(self._store, trials)
         for k, target in enumerate(TARGETS):
             reached = {engine: costs.middle[k] for engine, costs in lists.items() if math.isfinite(costs.middle[k])}
             deployable = [engine for engine in reached if engine not in self._ours]
             cheapest = min(deployable, key=lambda engine: reached[engine], default="")
             for engine, costs in lists.items():
-                question: dict[str, Any] = {"case": case, "where": where, "target": target, "engine": engine, "unit": unit}
-                question |= {"cheapest": engine == cheapest, **searched[engine]}
-                if costs.best is None:
-                    yield Price(**question, **lacking[engine])
-                    continue
-                question["best_error"] = costs.best.error
-                if engine not in reached:
-                    yield Price(**question, **_unreached(of_engine[engine], costs.best, target))
-                    continue
-                under, over = costs.beside(k, target)
-                verdict: PriceVerdict = "priced" if over is not None else "at most"
-                low, high = interval(costs.drawn[:, k])
-                price = Price(
-                    **question,
-                    verdict="within the truth's error" if target < under.off else verdict,
-                    cost=reached[engine],
-                    low=low,
-                    high=high,
-                    emulated=under.emulated,
-                    unstable=under.unstable or (over is not None and over.unstable),
-                    **_leaning_on(under),
-                )
-                if cheapest:
-                    low, high = interval(costs.drawn[:, k] / lists[cheapest].drawn[:, k])
-                    price = replace(price, ratio=reached[engine] / reached[cheapest], ratio_low=low, ratio_high=high)
-                yield price
+                mine = of_engine[engine]
+                outcome: Reached | Beyond | Silent | None = lacking.get(engine)
+                if engine in reached:
+                    outcome = _reached(costs, k, lists.get(cheapest))
+                elif costs.best is not None:
+                    outcome = _unreached(mine, costs.best, target)
+                assert outcome is not None
+                yield Price(
+                    case=case, where=where, target=target, engine=engine, unit=unit, outcome=outcome, best=costs.best,
+                    cheapest=engine == cheapest, finest=min(mine, key=lambda point: point.dt, default=None),
+                    tried=spent[engine][0], ended=spent[engine][1],
+                )  # fmt: skip
 
 
-def _searched(points: Sequence[CostPoint], tried: int, ended: Ended) -> dict[str, Any]:
-    """The fields of a price that say what was tried."""
-    finest = min(points, key=lambda point: point.dt, default=None)
-    return {
-        "finest_dt": finest and finest.dt,
-        "finest_substeps": finest and finest.substeps,
-        "tried": tried,
-        "ended": ended,
-    }
+def _reached(costs: "List", k: int, cheapest: "List | None") -> Reached:
+    """The price of the k-th target, which a list comes down to."""
+    under, over = costs.beside(k, TARGETS[k])
+    cost, ratio = Interval(costs.middle[k], *interval(costs.drawn[:, k])), None
+    if cheapest is not None:
+        ratio = Interval(costs.middle[k] / cheapest.middle[k], *interval(costs.drawn[:, k] / cheapest.drawn[:, k]))
+    return Reached(cost=cost, ratio=ratio, at=under, over=over)
 
 
-def _unreached(points: Sequence[CostPoint], best: CostPoint, target: float) -> dict[str, Any]:
-    """The fields of the price of a target that no clocked point comes down to."""
+def _unreached(points: Sequence[CostPoint], best: CostPoint, target: float) -> Beyond | Silent:
+    """What is known of a target that no clocked point comes down to."""
     close = [point for point in points if point.error <= target]
-    if close:
-        least = min(close, key=lambda point: point.cost)
-        return {"verdict": "not clocked", "reason": f"roughly {least.cost:.2g} CPU s"} | _leaning_on(least)
-    trend = foreseen(points, target)
-    ahead = {} if trend is None else {f"foreseen_{name}": value for name, value in asdict(trend).items()}
-    return {"verdict": "not within the ladder"} | ahead | _leaning_on(best)
+    if not close:
+        return Beyond(at=best, trend=foreseen(points, target))
+    least = min(close, key=lambda point: point.cost.value)
+    return Silent(verdict="not clocked", reason=f"roughly {least.cost.value:.2g} CPU s", at=least)
 
 
 @once
 def priced(store: Store) -> Prices:
     """Points and prices of a store, worked out once for all that ask: they take longer than what is made of them."""
     return Prices(store)
-
-
-def _leaning_on(point: CostPoint) -> dict[str, Any]:
-    """The fields of a price that say which trial it is read off."""
-    return {"track": point.track, "dt": point.dt, "substeps": point.substeps, "trial": point.trial}
 
 
 def unit_of(trials: pd.DataFrame) -> str:
@@ -295,17 +301,17 @@ def unit_of(trials: pd.DataFrame) -> str:
 
 def marked(points: Sequence[CostPoint]) -> set[str]:
     """The trials on the front of these points."""
-    flags = on_front([p.error for p in points], [p.cost for p in points])
+    flags = on_front([p.error for p in points], [p.cost.value for p in points])
     return {point.trial for point, on in zip(points, flags, strict=True) if on}
 
 
-def without(trials: pd.DataFrame, here: Sequence[CostPoint], engine: str) -> dict[str, Any]:
-    """Verdict and reason for an engine that has no clocked point."""
+def without(trials: pd.DataFrame, here: Sequence[CostPoint], engine: str) -> Silent:
+    """Of an engine that has no clocked point."""
     if any(point.engine == engine for point in here):
-        return {"verdict": "not clocked", "reason": "no point near the front was clocked; see the trials' warnings"}
+        return Silent(verdict="not clocked", reason="no point near the front was clocked; see the trials' warnings")
     counts = trials.groupby(["status", "reason"]).size().sort_values(ascending=False)
     status, reason = counts.index[0]
-    return {"verdict": "no answer", "reason": f"{status}: {reason}" if reason else str(status)}
+    return Silent(verdict="no answer", reason=f"{status}: {reason}" if reason else str(status))
 
 
 def interval(values: Floats) -> tuple[float, float]:
@@ -336,7 +342,7 @@ class Draws:
             drawn = medians(values[places]) / middle if taken and places is not None else np.ones(DRAWS)
             # A draw may hold none of this trial's samples: it then says nothing of its cost.
             drawn = np.where(np.isfinite(drawn), drawn, 1.0)
-            self._costs[point.trial] = point.cost * drawn ** widening(len(taken))
+            self._costs[point.trial] = point.cost.value * drawn ** widening(len(taken))
 
     def of(self, points: Sequence[CostPoint], targets: Floats) -> Floats:
         """The prices of each draw for points that differ in the time step alone, shape (DRAWS, t)."""
@@ -365,7 +371,7 @@ class List:
         self.best = min(clocked, key=lambda p: p.error, default=None)
         self._groups = [[p for p in clocked if p.track == track] for track in dict.fromkeys(p.track for p in clocked)]
         none = np.full((1, len(targets)), math.nan)
-        middles = [price(np.array([p.error for p in g]), np.array([p.cost for p in g]), targets) for g in self._groups]
+        middles = [price(np.array([p.error for p in g]), np.array([p.cost.value for p in g]), targets) for g in self._groups]
         self._middles = np.stack(middles) if middles else none
         self.middle: Floats = np.fmin.reduce(self._middles)
         self.drawn: Floats = np.fmin.reduce([draw.of(group, targets) for group in self._groups]) if middles else none
@@ -374,5 +380,5 @@ class List:
         """The point that the k-th price leans on, and the next one of the same group that errs more than the target."""
         group = self._groups[int(np.nanargmin(self._middles[:, k]))]
         at = target * (1 + 1e-9)  # a price is one of logarithms, whose rounding may put an error at the target beyond it
-        under = min((p for p in group if p.error <= at), key=lambda p: p.cost)
+        under = min((p for p in group if p.error <= at), key=lambda p: p.cost.value)
         return under, min((p for p in group if p.error > at), key=lambda p: p.error, default=None)

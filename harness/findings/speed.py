@@ -15,6 +15,7 @@ from plumbline.harness.findings.cost_point import CostPoint
 from plumbline.harness.findings.once import once
 from plumbline.harness.findings.parameter_words import step_in_words
 from plumbline.harness.findings.prices import PER_SECOND, Draws, List, interval, priced, unit_of
+from plumbline.harness.statistics.interval import Interval
 from plumbline.harness.store.rows import grouped
 from plumbline.harness.store.store import Store
 
@@ -30,35 +31,40 @@ BEYOND = 10.0
 class Speed:
     """How fast one engine is on one track in one case, in the slowest of the case's scenes.
 
-    Terms: times, low, high [1]: simulated over CPU seconds with the 95 % interval. error: at that speed, a share of the case's
-    scale. at_error: is that the error asked for, between two steps that were run? Otherwise the figures are those of `trial`
-    alone. bound: does that trial err no more than asked, so that larger steps, which were not run, might be faster? nominal:
-    was it run at the case's own step? dt [s], substeps, trial: the run that the figures lean on. unstable: was its timing so?
+    Terms: times [1]: simulated over CPU seconds with the 95 % interval. error: at that speed, a share of the case's scale. at:
+    the run that the figures lean on; over: the next one, which errs more than asked: they are those of the error asked for,
+    between both. None where they are those of `at` alone. bound: does that run err no more than asked, so that larger steps,
+    which were not run, might be faster? nominal: was it run at the case's own step?
     """
 
-    times: float
-    low: float
-    high: float
+    times: Interval
     error: float
-    at_error: bool
+    at: CostPoint
+    over: CostPoint | None
     bound: bool
     nominal: bool
-    dt: float
-    substeps: int
-    trial: str
-    unstable: bool
+
+    @property
+    def at_error(self) -> bool:
+        """Is it the speed at the error asked for, between two steps that were run?"""
+        return self.over is not None
+
+    @property
+    def unstable(self) -> bool:
+        """Was the timing of a run that it leans on marked so?"""
+        return self.at.unstable or (self.over is not None and self.over.unstable)
 
     @property
     def step(self) -> str:
         """'at its nominal step', 'at dt = 2 ms'; '' if the figures are those of the error asked for."""
         if self.at_error:
             return ""
-        return "at its nominal step" if self.nominal else f"at dt = {step_in_words(self.dt, self.substeps)}"
+        return "at its nominal step" if self.nominal else f"at dt = {step_in_words(self.at.dt, self.at.substeps)}"
 
     @property
     def words(self) -> str:
         """'31 times real time at its nominal step'."""
-        return f"{float(f'{self.times:.3g}'):g} times real time {self.step}".rstrip()
+        return f"{float(f'{self.times.value:.3g}'):g} times real time {self.step}".rstrip()
 
 
 @once
@@ -75,7 +81,9 @@ def speeds(store: Store, error: float) -> Mapping[Side, Speed]:
             side = (case, engine, track)
             speed = _speed([point for point in points if point.trial in sound], prices.draws(case, where), error, own)
             slowest = by_side.get(side, speed)
-            by_side[side] = None if speed is None or slowest is None else min(speed, slowest, key=lambda speed: speed.times)
+            by_side[side] = (
+                None if speed is None or slowest is None else min(speed, slowest, key=lambda speed: speed.times.value)
+            )
     return {side: speed for side, speed in by_side.items() if speed is not None}
 
 
@@ -100,22 +108,17 @@ def _speed(points: Sequence[CostPoint], draw: Draws, error: float, own: float) -
     if over is None:
         good = [point for point in points if point.status == "passed" or point.error <= error]
         near = [point for point in points if point.error < BEYOND * error]
-        under = min(good, key=lambda point: point.cost, default=min(near, key=lambda point: point.error, default=None))
+        under = min(good, key=lambda point: point.cost.value, default=min(near, key=lambda point: point.error, default=None))
     if under is None:
         return None
-    cost, low, high = under.cost, under.low or under.cost, under.high or under.cost
+    cost, (low, high) = under.cost.value, under.cost.ends
     if over is not None:
         cost, (low, high) = float(costs.middle[0]), interval(costs.drawn[:, 0])
     return Speed(
-        times=1 / cost,
-        low=1 / high,
-        high=1 / low,
+        times=Interval(1 / cost, 1 / high, 1 / low),
         error=error if over is not None else under.error,
-        at_error=over is not None,
+        at=under,
+        over=over,
         bound=over is None and under.error <= error,
         nominal=bool(own) and abs(under.dt - own) <= 1e-9 * own,
-        dt=under.dt,
-        substeps=under.substeps,
-        trial=under.trial,
-        unstable=under.unstable or (over is not None and over.unstable),
     )

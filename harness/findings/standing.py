@@ -12,10 +12,10 @@ from dataclasses import dataclass, replace
 from operator import attrgetter
 from typing import NamedTuple
 
-from plumbline.harness.findings.columns import known
 from plumbline.harness.findings.cost_point import CostPoint
 from plumbline.harness.findings.limits_found import CONSTANT, Hold, Search
 from plumbline.harness.findings.prices import Price
+from plumbline.harness.statistics.interval import Interval
 from plumbline.harness.store.rows import grouped
 from plumbline.harness.study.engine_versions import engine_of
 
@@ -81,9 +81,9 @@ def counted(standings: Iterable[Standing]) -> list[tuple[str, int]]:
     return sorted(((each.engine, each.alone) for each in standings), key=lambda pair: -pair[1])
 
 
-def cheapness(cost: float, low: float | None, high: float | None, *, bound: bool) -> Extent:
+def cheapness(cost: Interval, *, bound: bool) -> Extent:
     """Of a cost with its interval, where that is known. Args: bound: may it be less, by no one knows how much?"""
-    least, most = (end if end is not None and end == end else cost for end in (low, high))
+    least, most = (end if end == end else cost.value for end in cost.ends)
     return -math.log(most), math.inf if bound else -math.log(least)
 
 
@@ -103,30 +103,32 @@ class Reach:
     """How far one engine goes along one axis under one condition.
 
     Terms:
-        at: 'equal sub-step' or 'equal time'. condition: what is equal, a sub-step or a CPU time for one time step of the case
-        [s]. parts: that time steps were to be taken in, 0 where that was open. held: the hardest value that held, None where
-        none did; reach, further: its place between easy and extreme, and that of the next harder value, tried or too dear.
-        setting, substep [s], cost [s]: what it was reached with, and what one time step of the case costs then, roughly. leads,
-        leads_without: alone or with others, among all engines and without the reference engine.
+        search: it is read off. at: 'equal sub-step' or 'equal time'. condition: what is equal, a sub-step or a CPU time for one
+        time step of the case [s]. hold: the hardest value that held, None where none did. leads, leads_without: alone or with
+        others, among all engines and without the reference engine.
     """
 
-    experiment: str
-    case: str
-    where: str
-    axis: str
-    unit: str
-    engine: str
+    search: Search
     at: str
     condition: float
-    parts: int
-    held: float | None
-    reach: float
-    further: float
-    setting: str
-    substep: float | None
-    cost: float | None
+    hold: Hold | None
     leads: bool = False
     leads_without: bool = False
+
+    @property
+    def parts(self) -> int:
+        """That time steps were to be taken in, 0 where that was open."""
+        return self.search.parts if self.at == "equal sub-step" else 0
+
+    @property
+    def reach(self) -> float:
+        """The place of what held between easy (0) and extreme (1)."""
+        return 0.0 if self.hold is None else self.hold.reach
+
+    @property
+    def further(self) -> float:
+        """That of the next harder value, tried or too dear."""
+        return 0.0 if self.hold is None else self.hold.further
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -151,7 +153,7 @@ def reaches(searches: Iterable[Search]) -> list[Reach]:
     for group in grouped(answered, attrgetter("searched_along")).values():
         for parts in sorted({search.parts for search in group if search.parts}):
             level = [search for search in group if search.parts == parts and search.fair]
-            reached += _led([_reach(search, "equal sub-step", search.dt / parts, search.holds[-1:]) for search in level])
+            reached += _led([_last(search, "equal sub-step", search.dt / parts, search.holds) for search in level])
         for budget in BUDGETS:
             reached += _led(
                 [_within([search for search in group if search.engine == name], budget) for name in _engines(group)]
@@ -168,33 +170,23 @@ def _within(mine: Sequence[Search], budget: float) -> Reach:
     made = []
     for search in mine:
         cheap = [hold for hold in search.holds if hold.cost is not None and hold.cost <= budget]
-        made.append(_reach(search, "equal time", budget, cheap[-1:]))
-    return max(made, key=lambda reach: (reach.held is not None, reach.reach, -(reach.cost or 0.0)))
+        made.append(_last(search, "equal time", budget, cheap))
+    return max(made, key=lambda reach: (reach.hold is not None, reach.reach, -((reach.hold and reach.hold.cost) or 0.0)))
 
 
-def _reach(search: Search, at: str, condition: float, last: Sequence[Hold]) -> Reach:
-    hold = last[0] if last else None
-    return Reach(
-        **known(search, "experiment", "case", "where", "axis", "unit", "engine", "setting", "substep"),
-        at=at,
-        condition=condition,
-        parts=search.parts if at == "equal sub-step" else 0,
-        held=None if hold is None else hold.value,
-        reach=0.0 if hold is None else hold.reach,
-        further=0.0 if hold is None else hold.further,
-        cost=None if hold is None else hold.cost,
-    )
+def _last(search: Search, at: str, condition: float, holds: Sequence[Hold]) -> Reach:
+    return Reach(search=search, at=at, condition=condition, hold=holds[-1] if holds else None)
 
 
 def _question(axis: Sequence[Reach]) -> LeadQuestion:
-    extents = {reach.engine: (reach.reach, reach.further) for reach in axis if reach.held is not None}
-    return LeadQuestion(extents, [reach.engine for reach in axis])
+    extents = {reach.search.engine: (reach.reach, reach.further) for reach in axis if reach.hold is not None}
+    return LeadQuestion(extents, [reach.search.engine for reach in axis])
 
 
 def _led(axis: Sequence[Reach]) -> list[Reach]:
     question = _question(axis)
     first, others = leaders(question.extents), leaders(question.to_deploy.extents)
-    return [replace(reach, leads=reach.engine in first, leads_without=reach.engine in others) for reach in axis]
+    return [replace(reach, leads=reach.search.engine in first, leads_without=reach.search.engine in others) for reach in axis]
 
 
 def axis_leads(reached: Sequence[Reach]) -> list[Lead]:
@@ -208,7 +200,7 @@ def axis_leads(reached: Sequence[Reach]) -> list[Lead]:
     leads = []
     order = sorted(reached, key=lambda reach: (reach.at, reach.parts, reach.condition if not reach.parts else 0.0))
     for (at, condition), level in grouped(order, condition_of).items():
-        questions = [_question(axis) for axis in grouped(level, attrgetter("experiment", "case", "where")).values()]
+        questions = [_question(axis) for axis in grouped(level, attrgetter("search.searched_along")).values()]
         leads += _leads("axes", at, condition, True, questions)
         leads += _leads("axes", at, condition, False, [question.to_deploy for question in questions])
     return leads
@@ -242,9 +234,9 @@ def cheapest(prices: Sequence[Price]) -> list[LeadQuestion]:
 def _cheapest(offers: Sequence[Price]) -> LeadQuestion:
     """Of one pair; an upper bound says nothing of how little a cost may be."""
     costs = {
-        price.engine: cheapness(price.cost, price.low, price.high, bound=price.verdict == "at most")
+        price.engine: cheapness(price.reached.cost, bound=price.verdict == "at most")
         for price in offers
-        if price.cost
+        if price.reached is not None
     }
     return LeadQuestion(costs, _engines(offers))
 

@@ -73,7 +73,7 @@ def _markdown(trials: pd.DataFrame, catalogue: Mapping[str, Any], verdicts: Sequ
 
 def summaries(store: Store) -> dict[str, bytes]:
     """The content of junit.xml and summary.md."""
-    verdicts = TABLE.sentences(TABLE.rows(store))
+    verdicts = TABLE.said(store)
     return {
         "junit.xml": _junit(store.trials, store.catalogue),
         "summary.md": _markdown(store.trials, store.catalogue, verdicts),

@@ -1,5 +1,6 @@
 """The rows of a table as mappings: what reports take out of tables by the ten thousand."""
 
+import math
 from collections.abc import Callable, Hashable, Iterable
 from typing import Any, TypeVar
 
@@ -16,6 +17,17 @@ def grouped(items: Iterable[Item], key: Callable[[Item], Key]) -> dict[Key, list
     for item in items:
         groups.setdefault(key(item), []).append(item)
     return groups
+
+
+def number(value: Any) -> float:
+    """A number of a table; nan where nothing stands."""
+    return float(value) if value is not None and pd.notna(value) else math.nan
+
+
+def finite(value: Any) -> float | None:
+    """A number of a table; None where nothing, or no finite one, stands."""
+    read = number(value)
+    return read if math.isfinite(read) else None
 
 
 def records(frame: pd.DataFrame) -> list[dict[str, Any]]:

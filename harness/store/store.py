@@ -192,6 +192,10 @@ class Store:
             rows.setdefault(row["trial"], []).append(row)
         return rows
 
+    def values(self, trial: str) -> dict[str, float]:
+        """What each metric says of a trial; of one that is checked twice, once."""
+        return {row["metric"]: row["value"] for row in reversed(self.measured.get(trial, ()))}
+
     @property
     def samples(self) -> pd.DataFrame:
         """One row a timing sample."""

@@ -1,4 +1,7 @@
-"""Work against precision in one scene: the chart of every trial with an error and a cost, and its miniature of fronts alone."""
+"""Work against precision in one scene: the chart of every trial with an error and a cost, and its miniature of fronts alone.
+
+Error against speed of each engine over the cases of a run: the picture of the first page.
+"""
 
 import math
 from collections import Counter
@@ -11,12 +14,23 @@ from plumbline.harness.findings.prices import LEAST, PER_SECOND
 from plumbline.harness.store.store import Store
 from plumbline.reports.charts.figure import Figure, tabled, thin
 from plumbline.reports.charts.grammar import Row, channel, chart, fixed, hovering
-from plumbline.reports.charts.marks import LANE, POINT, TRACKS, Marks, decades, finished, lane_names, lane_texts, logarithmic
-from plumbline.reports.charts.palette import looks
+from plumbline.reports.charts.marks import (
+    LANE,
+    POINT,
+    TRACKS,
+    Marks,
+    decades,
+    finished,
+    lane_names,
+    lane_texts,
+    logarithmic,
+    looks,
+)
 from plumbline.reports.tables.price_list import PricedScene, scenes
-from plumbline.reports.words.catalogue import case_file, engines, labels, titled
+from plumbline.reports.tables.selection import answer
+from plumbline.reports.words.catalogue import case_file, cases, engines, labels, setting_words, titled
 from plumbline.reports.words.status import outcome
-from plumbline.reports.words.text import TIMES, duration, power, step, visible
+from plumbline.reports.words.text import TIMES, amount, duration, power, step, visible
 
 WIDE, HIGH = 200, 132
 """Of a miniature, in its own units; LEFT and BELOW leave room for the numbers of its axes, MARGIN for its marks."""
@@ -25,6 +39,7 @@ LEFT, BELOW, MARGIN = 34, 16, 6
 
 def drawn(store: Store, point: CostPoint) -> Row:
     """A point for the chart."""
+    cost, (low, high) = point.cost.value, point.cost.ends
     return {
         "engine": labels(store)[point.engine],
         "track": point.track if point.track in TRACKS else "other settings",
@@ -34,12 +49,12 @@ def drawn(store: Store, point: CostPoint) -> Row:
         "least": max(point.error - point.off, LEAST),
         "most": point.error + point.off,
         "off": point.off,
-        "cost": point.cost,
-        "low": point.low or point.cost,
-        "high": point.high or point.cost,
-        "pace": 1 / point.cost,
-        "slow": 1 / (point.high or point.cost),
-        "fast": 1 / (point.low or point.cost),
+        "cost": cost,
+        "low": low,
+        "high": high,
+        "pace": 1 / cost,
+        "slow": 1 / high,
+        "fast": 1 / low,
         "timing": "rough, not clocked" if not point.clocked else "unstable" if point.unstable else "clocked",
         "status": outcome(point.status).name,
         "trial": point.trial,
@@ -150,7 +165,7 @@ class FrontMiniature:
 def miniatures(store: Store) -> list[FrontMiniature]:
     """One for each scene, all on the same axes."""
     fronts = [(scene, [point for point in scene.points if point.front]) for scene in scenes(store)]
-    costs = [math.log10(point.cost) for scene, front in fronts for point in front if scene.unit == PER_SECOND]
+    costs = [math.log10(point.cost.value) for scene, front in fronts for point in front if scene.unit == PER_SECOND]
     errors = [math.log10(point.error) for _, front in fronts for point in front]
     low, high = span(costs or [0.0])
     fine, coarse = span([min(error, 0.0) for error in errors])
@@ -204,7 +219,7 @@ def placed(store: Store, front: Sequence[CostPoint], across: Any, up: Any) -> Ma
     fronts: dict[str, list[tuple[float, float]]] = {}
     colours = looks(engines(store))
     for point in sorted(front, key=lambda point: point.error):
-        position = (across(math.log10(point.error)), up(math.log10(point.cost)))
+        position = (across(math.log10(point.error)), up(math.log10(point.cost.value)))
         fronts.setdefault(colours[point.engine].colour, []).append(position)
     return fronts
 
@@ -212,3 +227,58 @@ def placed(store: Store, front: Sequence[CostPoint], across: Any, up: Any) -> Ma
 def line(places: Sequence[tuple[float, float]], colour: str) -> tuple[str, str, Sequence[tuple[float, float]]]:
     """Colour, path and places."""
     return colour, "M" + "L".join(f"{x:g},{y:g}" for x, y in places), places
+
+
+LEAST_DRAWN = 1e-6
+"""Share of the scale: what errs less stands here, since a ratio of rounding errors says nothing."""
+ERROR, SPEED = "error, as a share of the case's scale", "times real time"
+
+
+def error_against_speed(store: Store) -> Figure | None:
+    """A small mark for each engine and case, a large one at its figures over all; None where no engine has a speed."""
+    evidence = answer(store).evidence
+    rows: list[Row] = [
+        {
+            "engine": labels(store)[engine],
+            "track": evidence.tracks[engine],
+            "setting": visible(setting_words(store, engine, evidence.tracks[engine]))[:60],
+            "case": visible(str(cases(store)[case]["title"]))[:60],
+            "error": max(speed.error, LEAST_DRAWN),
+            "pace": speed.times.value,
+            "step": speed.step or "at the error asked for",
+        }
+        for (case, engine), speed in evidence.speeds.items()
+        if engine in evidence.engines
+    ]
+    if not rows:
+        return None
+    over_all: list[Row] = []
+    for engine in evidence.engines:
+        error, pace = evidence.error(engine), evidence.speed(engine)
+        if error is not None and pace is not None:
+            mine = next(row for row in rows if row["engine"] == labels(store)[engine])
+            over_all.append(mine | {"error": max(error, LEAST_DRAWN), "pace": pace, "case": "all cases", "step": ""})
+    style = Marks(store, rows)
+    x = logarithmic("error", ERROR, decades(row["error"] for row in rows))
+    y = logarithmic("pace", SPEED, decades(row["pace"] for row in rows))
+    shown = hovering("engine:N", "setting:N", "case:N", ("error:Q", ERROR, ".2~g"), ("pace:Q", SPEED, ".3~g"), "step:N")
+    channels = style.channels() | {"tooltip": shown, "x": x, "y": y}
+    layers = [
+        chart([{"error": 0.01}]).marked("rule", strokeDash=[4, 4], color="#8a93a0").encode(x=x),
+        chart(rows).marked("point", **POINT | {"size": 34, "opacity": 0.4}).encode(**channels),
+        chart(over_all).marked("point", **POINT | {"size": 330}).encode(**channels),
+    ]
+    cells = [
+        [*(row[key] for key in ("engine", "setting", "case")), amount(row["error"]), amount(row["pace"]), row["step"]]
+        for row in [*over_all, *rows]
+    ]
+    caption = "Up is faster, left is more accurate. Large: all cases together. Small: each case. Dashed: 1 % error."
+    how = (
+        "A speed is the one at 1 % error if steps on both sides of it were run, else that of the cheapest run that passes "
+        "every check of its case. All together: the geometric mean of speeds over the cases in which the engines have "
+        "one, and the median of errors. Errors below a millionth of the scale stand there."
+    )
+    columns = ("engine", "setting", "case", "error", SPEED, "speed taken")
+    return Figure(
+        "error-and-speed", "Error against speed, all cases", caption, finished(layers, height=300), columns, cells, how
+    )

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from plumbline.reports.recordings.camera import eye_direction
-from plumbline.reports.recordings.rotation import Floats
+from plumbline.reports.recordings.layout import Floats
 
 Spheres = Sequence[tuple[Floats, Floats]]
 """Centres (n, 3) m and radii (n,) m of what moves, of each run; what most runs hold is shown."""

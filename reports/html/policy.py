@@ -1,9 +1,15 @@
 """What a page may do: nothing inline runs, nothing comes from elsewhere, and nothing can be sent.
 
 A page that is opened from disk carries its policy itself; the server says it again in the header of every answer.
+
+The style sheet and scripts that lie beside a page.
 """
 
 import re
+import shutil
+from pathlib import Path
+
+from plumbline.harness.store.disk import make_folder
 
 PAGE = (
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; "
@@ -33,3 +39,13 @@ def guarded(page: str) -> str:
     start = _START.match(page)
     end = start.end() if start else 0
     return f"{page[:end]}{META}{page[end:]}"
+
+
+STYLE = Path(__file__).parents[1] / "style"
+
+
+def copy_style(folder: Path, *more: str) -> None:
+    """Those that every page needs, and more by their names, into `folder/style`."""
+    make_folder(folder / "style")
+    for name in ("report.css", "frame.js", "report.js", *more):
+        shutil.copyfile(STYLE / name, folder / "style" / name)

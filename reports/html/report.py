@@ -10,8 +10,7 @@ from pathlib import Path
 from plumbline.harness.store.disk import put_in_place
 from plumbline.harness.store.store import Store
 from plumbline.reports.html.drawing import Drawing
-from plumbline.reports.html.policy import guarded
-from plumbline.reports.html.style import STYLE
+from plumbline.reports.html.policy import STYLE, guarded
 from plumbline.reports.html.template import environment, fill
 from plumbline.reports.html.written import SCRIPT, NotWritten, WrittenReport, picture_file, script_file
 from plumbline.reports.page import NotLoaded, Page, Rendered, asked, pages

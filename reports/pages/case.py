@@ -27,9 +27,8 @@ from plumbline.reports.tables.trial_results import answers, as_csv, in_order, is
 from plumbline.reports.tables.verdicts import verdicts
 from plumbline.reports.words.altered_parameters import departures
 from plumbline.reports.words.catalogue import FAMILIES, case_file, cases, engines, setting_words, tracks
-from plumbline.reports.words.disputes import disputed, told
 from plumbline.reports.words.emulated_features import laws_of_case
-from plumbline.reports.words.known_findings import of_case
+from plumbline.reports.words.known_findings import disputed, of_case, told
 from plumbline.reports.words.status import outcome
 from plumbline.reports.words.text import slug
 
@@ -54,7 +53,7 @@ def render(store: Store) -> Iterator[tuple[str, Rendered]]:
         plain = slug(name)
         priced = [work_precision(store, scene) for scene in scenes(store) if scene.case == name]
         lines = [line for line in prices if line.case == name]
-        shown = listed(mine, {entry.price.trial for line in lines for entry in line.entries.values()})
+        shown = listed(mine, {entry.trial for line in lines for entry in line.entries.values()})
         recording = store.folder / "recordings" / file_name(name)
         yield from ((figure.path, figure) for figure in priced)
         yield f"trials/{plain}.csv", as_csv(mine, measured)

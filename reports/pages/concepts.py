@@ -8,7 +8,7 @@ from plumbline.reports.html.template import fill
 from plumbline.reports.page import Page
 from plumbline.reports.tables.own_scenes import by_case
 from plumbline.reports.words.catalogue import cases
-from plumbline.reports.words.concepts import book, indexed
+from plumbline.reports.words.glossary import book, indexed
 
 
 def render(store: Store) -> Mapping[str, str]:

@@ -21,21 +21,20 @@ def concerns(store: Store) -> bool:
 def render(store: Store) -> Mapping[str, Rendered]:
     """The page, its chart and its table as CSV."""
     judged = verdicts(store)
-    rows = [*map(TABLE.flat, judged)]
     figure = savings_chart(store, judged)
     page = fill(
         "effects.html",
         store,
         title="Effects",
         names=[name for name in engines(store) if any(verdict.engine == name for verdict in judged)],
-        savings=savings(rows),
+        savings=savings(judged),
         figure=figure,
-        audit=audit(rows),
+        audit=audit(judged),
         titles=titles(store),
         matrix=matrix(store, judged),
         found=[verdict for verdict in judged if verdict.verdict != EVERYTHING],
     )
-    sheets = {"effects.csv": sheet(TABLE.columns, rows)}
+    sheets = {"effects.csv": sheet(TABLE.columns, map(TABLE.flat, judged))}
     return {"effects.html": page} | sheets | ({figure.path: figure} if figure is not None else {})
 
 

@@ -6,8 +6,7 @@ from functools import partial
 from plumbline.harness.store.store import Store
 from plumbline.reports.html.template import fill
 from plumbline.reports.page import Page
-from plumbline.reports.tables.failures import failing
-from plumbline.reports.tables.verdicts import by_reason, cases_of, laws_of, tracks_of, versions_of
+from plumbline.reports.tables.verdicts import by_reason, cases_of, failing, laws_of, tracks_of, versions_of
 from plumbline.reports.words.catalogue import cases, engine_file, engines, setting_words
 from plumbline.reports.words.known_findings import by_engine
 

@@ -7,20 +7,19 @@ from functools import partial
 from plumbline.harness.findings.emulations import whose
 from plumbline.harness.findings.selection.rank import DRAWS
 from plumbline.harness.store.store import Store
-from plumbline.reports.charts.error_against_speed import error_against_speed
 from plumbline.reports.charts.errors import across_cases
+from plumbline.reports.charts.work_precision import error_against_speed
 from plumbline.reports.html.template import fill
 from plumbline.reports.page import Page, Rendered
-from plumbline.reports.standalone.history_news import history_news
+from plumbline.reports.standalone.what_changed import history_news
 from plumbline.reports.tables.engine_summary import Glance, glances
-from plumbline.reports.tables.failures import failing
 from plumbline.reports.tables.limit_table import limits_met
 from plumbline.reports.tables.own_scenes import by_case
 from plumbline.reports.tables.published import published_table
 from plumbline.reports.tables.selection import answer, needs
 from plumbline.reports.tables.summary import sentences
 from plumbline.reports.tables.trial_results import answers, at_own_step
-from plumbline.reports.tables.verdicts import cells_by_family, tracks_of, verdicts
+from plumbline.reports.tables.verdicts import cells_by_family, failing, tracks_of, verdicts
 from plumbline.reports.words.catalogue import cases, compared_tracks, engines, named_tracks, setting_words
 from plumbline.reports.words.status import STATUSES, VERDICTS
 

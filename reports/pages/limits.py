@@ -11,8 +11,7 @@ from plumbline.reports.charts.limit_maps import maps
 from plumbline.reports.html.template import fill
 from plumbline.reports.page import Page, Rendered
 from plumbline.reports.tables.csv import sheet
-from plumbline.reports.tables.limit_table import lines, standings
-from plumbline.reports.tables.remedies import helped, in_words, tally
+from plumbline.reports.tables.limit_table import helped, in_words, lines, standings, tally
 from plumbline.reports.words.catalogue import cases, engines, families
 
 

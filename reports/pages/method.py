@@ -11,8 +11,8 @@ from plumbline.reports.html.template import fill
 from plumbline.reports.page import Page
 from plumbline.reports.words.catalogue import cases
 from plumbline.reports.words.citation import citation
-from plumbline.reports.words.concepts import indexed
 from plumbline.reports.words.emulated_features import own_everywhere, told_apart
+from plumbline.reports.words.glossary import indexed
 
 TRUTHS = {
     "closed form": "a formula of the motion, or of what it comes to",

@@ -3,7 +3,6 @@
 import math
 from collections import Counter
 from collections.abc import Mapping
-from dataclasses import asdict
 
 from plumbline.harness.findings.cost_point import ALIKE
 from plumbline.harness.findings.prices import priced
@@ -50,7 +49,7 @@ def render(store: Store) -> Mapping[str, Rendered]:
         standings=standings(pair_leads(prices, priced(store).points)),
         hinges=[
             (row, *without(row))
-            for row in hinges(asdict(share) for share in shares if share.limit == FACTOR and share.engine not in ours(store))
+            for row in hinges(share for share in shares if share.limit == FACTOR and share.engine not in ours(store))
         ],
         profiles=profiles,
         lines=price_list(store),

@@ -3,9 +3,8 @@
 from collections.abc import Mapping, Sequence
 from functools import partial
 
-from plumbline.harness.findings.costs import TELLING, Cost
 from plumbline.harness.findings.once import once
-from plumbline.harness.findings.tables.scaling import COLUMNS, Scaling
+from plumbline.harness.findings.tables.scaling import TABLE, TELLING, Cost, Scaling
 from plumbline.harness.statistics.order import FEWEST
 from plumbline.harness.store.store import Store
 from plumbline.reports.charts.step_costs import UNITS, growths, qualities, standings
@@ -49,7 +48,9 @@ def render(store: Store) -> Mapping[str, Rendered]:
         cores=store.machine.get("cores"),
     )
     figures = [*([standing] if standing is not None else []), *grown, *bought]
-    return {"scaling.html": page, "scaling.csv": sheet(COLUMNS, scaling.rows())} | {figure.path: figure for figure in figures}
+    return {"scaling.html": page, "scaling.csv": sheet(TABLE.columns, map(TABLE.flat, scaling.rows))} | {
+        figure.path: figure for figure in figures
+    }
 
 
 def leads(store: Store, costs: Sequence[Cost]) -> list[Cost]:

@@ -12,14 +12,15 @@ from plumbline.harness.findings.agreement.perturbed_starts import LAWS, balances
 from plumbline.harness.findings.agreement.setting_causes import cause_words, settings_turned
 from plumbline.harness.findings.agreement.values import Agreement
 from plumbline.harness.findings.agreement.words import cut_words, headline, listed, metres, side_words, unresolved_words
-from plumbline.harness.findings.tables import agreement as agreement_table
+from plumbline.harness.findings.tables.agreement import TABLE as AGREEMENT
+from plumbline.harness.findings.tables.agreement import side_verdicts
 from plumbline.harness.findings.tables.fidelity import of_element
 from plumbline.harness.store.imported_scenes import kept_by
 from plumbline.harness.store.rows import records
 from plumbline.harness.store.store import Store
 from plumbline.reports.charts.errors import error_by_step
+from plumbline.reports.charts.marks import looks
 from plumbline.reports.charts.own_scenes import horizon_chart, parting_chart
-from plumbline.reports.charts.palette import looks
 from plumbline.reports.charts.work_precision import miniatures, work_precision
 from plumbline.reports.html.template import fill
 from plumbline.reports.page import Page, Rendered
@@ -64,7 +65,7 @@ def render(store: Store) -> Mapping[str, Rendered]:
     rows, known = answers(store, store.trials), cases(store)
     prices = price_list(store) if scenes(store) else []
     sides = [(engine, track) for engine in engines(store) for track in tracks(store)]
-    verdicts = agreement_table.TABLE.rows(store)
+    verdicts = side_verdicts(store)
     robots = {folder: (table, [of_element(row) for row in table["rows"]]) for folder, table in kept_by(store.folder)}
     for name, agreements in by_case(store).items():
         case, mine, plain = known[name], in_order(rows[rows["case"] == name], sides), slug(name)
@@ -88,7 +89,7 @@ def render(store: Store) -> Mapping[str, Rendered]:
         listed = [line for line in prices if line.case == name]
         files[f"trials/{plain}.csv"] = as_csv(mine, measured)
         files[f"trials/{plain}-agreement.csv"] = sheet(
-            agreement_table.COLUMNS, [row for row in verdicts if row["case"] == name]
+            AGREEMENT.columns, [AGREEMENT.flat(each) for each in verdicts if each.agreement.case == name]
         )
         files |= {figure.path: figure for figure in charts}
         files[case_file(name)] = fill(

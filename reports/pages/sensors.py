@@ -5,8 +5,7 @@ from collections.abc import Mapping
 from plumbline.harness.findings.sensor_readings.findings import concerned, findings
 from plumbline.harness.findings.tables import sensors as sensors_table
 from plumbline.harness.store.store import Store
-from plumbline.reports.charts.ideal_signals import error_charts, named, rays_chart
-from plumbline.reports.charts.sensor_noise import noise_charts
+from plumbline.reports.charts.ideal_signals import error_charts, named, noise_charts, rays_chart
 from plumbline.reports.html.template import fill
 from plumbline.reports.page import Page, Rendered
 from plumbline.reports.pictures.camera_pictures import shots
@@ -22,14 +21,14 @@ def concerns(store: Store) -> bool:
 
 def render(store: Store) -> Mapping[str, Rendered]:
     """The page, its charts and its table as CSV."""
-    measured, rows = findings(store), sensors_table.TABLE.rows(store)
+    measured = findings(store)
     errors, noises, rays = error_charts(store, measured), noise_charts(store, measured), rays_chart(store, measured)
     listed = [measured[index] for index in rows_shown([finding.track not in TRACK_ORDER for finding in measured])]
     page = fill(
         "sensors.html",
         store,
         title="Sensors",
-        said=sensors_table.sentences(rows, titles(store)),
+        said=sensors_table.sentences(measured, titles(store)),
         errors=errors,
         noises=noises,
         rays=rays,
@@ -39,7 +38,7 @@ def render(store: Store) -> Mapping[str, Rendered]:
         names=[named(store, finding) if finding.channel else titled(store, finding.case, finding.where) for finding in listed],
     )
     figures = [*errors, *noises, *([rays] if rays is not None else [])]
-    sheets = {"sensors.csv": sheet(sensors_table.COLUMNS, rows)}
+    sheets = {"sensors.csv": sheet(sensors_table.TABLE.columns, map(sensors_table.TABLE.flat, measured))}
     return {"sensors.html": page} | sheets | {figure.path: figure for figure in figures}
 
 

@@ -3,10 +3,9 @@
 from collections.abc import Mapping
 from functools import partial
 
-from plumbline.harness.findings.columns import spread
 from plumbline.harness.findings.tables.throughput import TABLE, throughputs
 from plumbline.harness.store.store import Store
-from plumbline.reports.charts.throughput import charts
+from plumbline.reports.charts.step_costs import charts
 from plumbline.reports.html.template import fill
 from plumbline.reports.page import Page, Rendered
 from plumbline.reports.tables.csv import sheet
@@ -32,8 +31,9 @@ def render(store: Store) -> Mapping[str, Rendered]:
         batched=[name for name, engine in store.catalogue.get("engines", {}).items() if engine.get("batch")],
         setting_of=partial(setting_words, store),
     )
-    flat = [spread(row) for row in rows]
-    return {"throughput.html": page, "throughput.csv": sheet(TABLE.columns, flat)} | {figure.path: figure for figure in figures}
+    return {"throughput.html": page, "throughput.csv": sheet(TABLE.columns, map(TABLE.flat, rows))} | {
+        figure.path: figure for figure in figures
+    }
 
 
 PAGE = Page(name="throughput", title="Many worlds", order=21, render=render, concerns=concerns)

@@ -1,7 +1,6 @@
 """The page on a zoo of robots: which go in, into which engine, what is left out, who agrees, at what cost, and why not."""
 
 from collections.abc import Mapping
-from dataclasses import asdict
 
 from plumbline.harness.findings.agreement.costs import WITHIN
 from plumbline.harness.findings.tables import zoo as zoo_table
@@ -11,7 +10,7 @@ from plumbline.reports.html.template import fill
 from plumbline.reports.page import Page, Rendered
 from plumbline.reports.pictures.case_pictures import sight
 from plumbline.reports.tables.csv import sheet
-from plumbline.reports.tables.zoo import NOT_RUN, STAGES, inside, outside, waiting
+from plumbline.reports.tables.own_scenes import NOT_RUN, STAGES, inside, outside, waiting
 from plumbline.reports.words.catalogue import engines
 from plumbline.reports.words.status import VERDICTS
 
@@ -23,7 +22,7 @@ def concerns(store: Store) -> bool:
 
 def render(store: Store) -> Mapping[str, Rendered]:
     """The page, and its table as CSV; the pictures are those of the pages of the robots."""
-    rows = list(map(asdict, zoo_table.in_zoo(store)))
+    rows = zoo_table.in_zoo(store)
     robots = inside(store)
     page = fill(
         "zoo.html",
@@ -39,7 +38,7 @@ def render(store: Store) -> Mapping[str, Rendered]:
         within=WITHIN,
         meanings={**VERDICTS, NOT_RUN.name: NOT_RUN},
     )
-    return {"zoo.html": page, "zoo.csv": sheet(zoo_table.TABLE.columns, rows)}
+    return {"zoo.html": page, "zoo.csv": sheet(zoo_table.TABLE.columns, map(zoo_table.TABLE.flat, rows))}
 
 
 PAGE = Page(name="zoo", title="Zoo", order=8, render=render, concerns=concerns)

@@ -9,15 +9,15 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from textwrap import shorten
 
-from plumbline.harness.findings.agreement.costs import WITHIN, at_target
+from plumbline.harness.findings.agreement.costs import WITHIN, at_target, paced
 from plumbline.harness.findings.agreement.found import errors_of, ways
 from plumbline.harness.findings.agreement.setting_causes import CLOSES, Turned
 from plumbline.harness.findings.agreement.values import Agreement, Side
 from plumbline.harness.findings.agreement.words import share
+from plumbline.harness.findings.columns import at
 from plumbline.harness.findings.prices import Price
 from plumbline.harness.store.store import Store
-from plumbline.reports.charts.marks import short
-from plumbline.reports.charts.palette import EngineLook, looks
+from plumbline.reports.charts.marks import EngineLook, looks, short
 from plumbline.reports.charts.work_precision import FrontMiniature
 from plumbline.reports.pictures.motion_chart import ChartSeries, Panel, over_time
 from plumbline.reports.words.catalogue import engines, labels
@@ -201,16 +201,16 @@ def fronts(scenes: Sequence[FrontMiniature], cost: AnswerPicture | None) -> Answ
 
 def speeds(store: Store, agreement: Agreement, best: Price | None) -> AnswerPicture | None:
     """How fast each engine is at the error asked for; where none comes down to it, how near each comes."""
-    priced = sorted((price for price in at_target(store, agreement) if price.cost), key=lambda price: price.cost or 0.0)
-    if not priced:
+    met = paced(at_target(store, agreement))
+    if not met:
         return least_errors(store, agreement)
-    paces = [1 / (price.cost or 1.0) for price in priced]
+    paces = [1 / reached.cost.value for _, reached in met]
     low, high, ticks = _axis(paces)
     sheet = _Sheet(store)
-    for price, pace in zip(priced, paces, strict=True):
-        words = f"{amount(pace)}{TIMES}" + ("" if price.dt is None else f", {step(price.dt)}")
-        chosen = best is not None and (price.engine, price.track) == (best.engine, best.track)
-        sheet.add(price.engine, price.track, spots=[Spot(_along(pace, low, high))], words=words, strong=chosen)
+    chosen = () if best is None else (best.engine, at(best, "reached.at.track"))
+    for (price, reached), pace in zip(met, paces, strict=True):
+        words, side = f"{amount(pace)}{TIMES}, {step(reached.at.dt)}", (price.engine, reached.at.track)
+        sheet.add(*side, spots=[Spot(_along(pace, low, high))], words=words, strong=side == chosen)
     own = "" if agreement.agreed else " from its own limit, as none is agreed"
     caption = f"Times real time at {100 * WITHIN:g} % error{own}{'; bold: what to set' * (best is not None)}."
     return sheet.rows(caption, "Speed of each engine at that error", ticks)

@@ -9,7 +9,7 @@ from functools import lru_cache
 from plumbline.harness.intake.safe_text import LONGEST, one_line
 from plumbline.harness.store.journal import StoreError
 from plumbline.harness.store.store import Store
-from plumbline.reports.charts.palette import looks
+from plumbline.reports.charts.marks import looks
 from plumbline.reports.pictures.motion import MotionPicture, RunLine, motion_of
 from plumbline.reports.pictures.motion_chart import Panel, apart, overview
 from plumbline.reports.pictures.stills import Film, Still, film, thumbnail

@@ -8,10 +8,11 @@ from typing import Any
 import numpy as np
 
 from plumbline.harness.store.store import Store
+from plumbline.harness.trajectory.kinematics import angle_between
+from plumbline.reports.recordings.bodies import told_places
+from plumbline.reports.recordings.layout import Floats
 from plumbline.reports.recordings.metrics import errors, motion, truths
-from plumbline.reports.recordings.rotation import Floats, angle
 from plumbline.reports.recordings.runs import RecordedRun, Stage
-from plumbline.reports.recordings.truth import told_places
 
 AXES = "xyz"
 WORDS = (
@@ -157,7 +158,7 @@ def _quantity(stage: Stage, headline: str) -> tuple[str, str, Callable[[Mapping[
         return "Kinetic and gravitational energy", "J", lambda arrays: _energy(stage, arrays)
     if kind == "spin":
         return f"Angular speed of {_quickest(first, places, names)}", "rad/s", _spin(places[_fastest(first, places)])
-    turned = angle(q, np.broadcast_to(q[:1], q.shape))
+    turned = angle_between(q, np.broadcast_to(q[:1], q.shape))
     if kind == "turn" and turned.max() > 1e-6:
         k = int(turned.max(axis=0).argmax())
         return f"Angle that {names[k]} has turned", "rad", lambda arrays: _turn(arrays, places[k])
@@ -187,7 +188,7 @@ def _spin(place: Any) -> Callable[[Mapping[str, Floats]], Floats]:
 
 def _turn(arrays: Mapping[str, Floats], place: Any) -> Floats:
     q = arrays["q_WB"][:, place]
-    return angle(q, np.broadcast_to(q[:1], q.shape))
+    return angle_between(q, np.broadcast_to(q[:1], q.shape))
 
 
 def _shift(arrays: Mapping[str, Floats], place: Any) -> Floats:

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from plumbline.reports.charts.palette import EngineLook
+from plumbline.reports.charts.marks import EngineLook
 from plumbline.reports.pictures.motion import MotionPicture, RunLine
-from plumbline.reports.recordings.rotation import Floats
+from plumbline.reports.recordings.layout import Floats
 from plumbline.reports.words.text import amount, power
 
 POINTS = 160

@@ -12,16 +12,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from plumbline.reports.drawn.backdrop import Backdrop, backdrop_of
-from plumbline.reports.drawn.cutaway import opened
-from plumbline.reports.drawn.picture import picture
-from plumbline.reports.drawn.solids import DrawnSolid, solids_of
-from plumbline.reports.drawn.stage_set import stage_set
+from plumbline.reports.drawn.picture import Backdrop, backdrop_of, picture
+from plumbline.reports.drawn.solids import DrawnSolid, opened, solids_of, stage_set
 from plumbline.reports.drawn.view import Spheres, View, framed
+from plumbline.reports.recordings.bodies import told_places, truth_at
 from plumbline.reports.recordings.camera import anchors_of, around_held, held_by, reach
-from plumbline.reports.recordings.rotation import Floats
+from plumbline.reports.recordings.layout import Floats
 from plumbline.reports.recordings.runs import Stage
-from plumbline.reports.recordings.truth import told_places, truth_at
 
 DRAWN_BY = "8"
 """Rises with any change of how pictures are made, so that kept ones of before are not taken for them."""

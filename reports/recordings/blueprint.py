@@ -4,13 +4,10 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from plumbline.reports.recordings.camera import Framing
-from plumbline.reports.recordings.colour import BACKGROUND, FLOOR
-from plumbline.reports.recordings.inertial import CHANNELS
-from plumbline.reports.recordings.layout import LOG, METRICS, SENSORS, SIM_TIME, STAGE, TRUTH, WORLD
+from plumbline.reports.recordings.layout import BACKGROUND, FLOOR, LOG, METRICS, SENSORS, SIM_TIME, STAGE, TRUTH, WORLD
 from plumbline.reports.recordings.metrics import TITLES
-from plumbline.reports.recordings.runs import RecordedRun, Stage, touching
-from plumbline.reports.recordings.sampling import playing_time
-from plumbline.reports.recordings.sensors import CameraView, Sensed
+from plumbline.reports.recordings.runs import RecordedRun, Stage, playing_time, touching
+from plumbline.reports.recordings.sensors import CHANNELS, CameraView, Sensed
 from plumbline.reports.recordings.shapes import OVERLAID, placed_shapes
 
 if TYPE_CHECKING:

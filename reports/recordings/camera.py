@@ -7,10 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from plumbline.reports.recordings.rotation import Floats, product, rotate
+from plumbline.harness.trajectory.kinematics import product, rotate
+from plumbline.reports.recordings.bodies import told_places
+from plumbline.reports.recordings.layout import Floats
 from plumbline.reports.recordings.runs import Stage
 from plumbline.reports.recordings.shapes import placed_shapes
-from plumbline.reports.recordings.truth import told_places
 
 FIELD_OF_VIEW = math.radians(55.0)
 """The viewer's vertical opening angle."""

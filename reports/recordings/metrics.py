@@ -6,13 +6,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from plumbline.reports.recordings.colour import Rgba, rgba
-from plumbline.reports.recordings.layout import METRICS, TRUTH
-from plumbline.reports.recordings.rotation import Floats, angle, rotate
-from plumbline.reports.recordings.runs import RecordedRun, Stage
-from plumbline.reports.recordings.sampling import extremes, stride_of
-from plumbline.reports.recordings.timeline import checked, columns
-from plumbline.reports.recordings.truth import truth_at
+from plumbline.harness.trajectory.kinematics import angle_between, rotate
+from plumbline.reports.recordings.bodies import truth_at
+from plumbline.reports.recordings.layout import METRICS, TRUTH, Floats, Rgba, checked, columns, rgba
+from plumbline.reports.recordings.runs import RecordedRun, Stage, extremes, stride_of
 
 if TYPE_CHECKING:
     import rerun as rr
@@ -84,7 +81,7 @@ def errors(stage: Stage, run: RecordedRun, told: tuple[Floats, Floats, Floats]) 
         return {}
     for name, apart in (
         ("position_error", np.linalg.norm(run.arrays["p_WB"][kept][:, places] - p_WB[:, places], axis=2)),
-        ("attitude_error", angle(run.arrays["q_WB"][kept][:, places], q_WB[:, places])),
+        ("attitude_error", angle_between(run.arrays["q_WB"][kept][:, places], q_WB[:, places])),
     ):
         known = np.isfinite(apart)
         rows = known.any(axis=1)

@@ -1,4 +1,14 @@
-"""Which trials of a case a recording shows, and their arrays cut where they cease to be drawable."""
+"""Which trials of a case a recording shows, and their arrays cut where they cease to be drawable.
+
+Which instants a recording shows: as many as a viewer has frames for while it plays the case.
+
+A case plays over `WATCH`, at `FRAMES` a second. What a trajectory holds between two frames is never seen; the stretch about a
+moment plays over as long, and so shows what the whole case leaves out.
+
+Who tells a signal: an engine's run or the truth, with its colour and its name.
+
+Where a sensor is at its readings: the pose of the body that carries it, composed with its own.
+"""
 
 import json
 import math
@@ -12,9 +22,8 @@ import numpy as np
 from plumbline.harness.store.imported_scenes import looks_of
 from plumbline.harness.store.journal import StoreError
 from plumbline.harness.store.store import Store
-from plumbline.reports.charts.palette import looks
-from plumbline.reports.recordings.layout import run_path
-from plumbline.reports.recordings.rotation import Floats
+from plumbline.reports.charts.marks import looks
+from plumbline.reports.recordings.layout import GHOST, TRUTH, Floats, Rgba, compose, rgba, run_path
 
 LARGEST = 1e30
 """Beyond this [m] a coordinate no longer fits the viewer's single precision with room for a camera."""
@@ -202,3 +211,105 @@ def _truth(runs: list[RecordedRun]) -> dict[str, Floats]:
         return {}
     longest = max(truths, key=lambda arrays: len(arrays["truth_time"]))
     return {name.removeprefix("truth_"): array for name, array in longest.items() if name.startswith("truth_")}
+
+
+WATCH = 6.0, 20.0
+"""Seconds that a case takes to play, at least and at most: a bullet is slowed down, a long wait made short."""
+
+FRAMES = 60
+"""A second, of the viewer."""
+
+
+def playing_time(length: float) -> float:
+    """Seconds that so much simulated time [s] takes to play."""
+    return min(max(length, WATCH[0]), WATCH[1])
+
+
+def stride_of(time: Floats, length: float) -> int:
+    """Each how many-th instant `time` (t,) s of a run is shown, in a case of this length [s]: no fewer than frames."""
+    passed = float(time[-1] - time[0]) if len(time) else 0.0
+    if not (passed > 0 and length > 0):
+        return 1
+    instants_a_frame = (len(time) - 1) / passed * length / (FRAMES * playing_time(length))
+    return max(1, int(instants_a_frame * (1 + 1e-9)))
+
+
+def shown(time: Floats, length: float) -> Floats:
+    """Places of the instants that are shown, the first and the last among them."""
+    places = np.arange(0, len(time), stride_of(time, length))
+    return places if not len(time) or places[-1] == len(time) - 1 else np.append(places, len(time) - 1)
+
+
+def extremes(values: Floats, stride: int) -> Floats:
+    """Places that a curve of values (k,) is drawn through, one for `stride` of them: no peak and no dip is left out.
+
+    Of each stretch of twice that many, the smallest and the largest; the first and the last besides.
+    """
+    if stride == 1 or len(values) <= 2 * stride:
+        return np.arange(len(values))
+    whole = len(values) // (2 * stride) * 2 * stride
+    blocks = values[:whole].reshape(-1, 2 * stride)
+    first = np.arange(0, whole, 2 * stride)
+    rest = np.arange(whole, len(values))
+    ends = np.array([0, len(values) - 1])
+    return np.unique(np.concatenate([first + blocks.argmin(axis=1), first + blocks.argmax(axis=1), rest, ends]))
+
+
+def at_instants(arrays: Mapping[str, Floats], places: Floats) -> dict[str, Floats]:
+    """States and contacts of the instants at these places, in order; all else as it is."""
+    time = arrays["time"]
+    chosen = dict(arrays) | {name: arrays[name][places] for name in ("time", *STATES) if name in arrays}
+    if "contacts_count" in arrays:
+        counts = np.asarray(arrays["contacts_count"], dtype=np.int64)
+        kept = np.zeros(len(time), dtype=bool)
+        kept[places] = True
+        rows = np.repeat(kept, counts)
+        chosen |= {
+            name: array[rows] for name, array in arrays.items() if name.startswith("contacts_") and len(array) == len(rows)
+        }
+        chosen["contacts_count"] = counts[kept]
+    return chosen
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """One teller of signals.
+
+    Terms:
+        path: its part of a path. arrays: as in the store. truth: is it the truth, which tells of ideal signals only?
+    """
+
+    path: str
+    name: str
+    arrays: Mapping[str, Floats]
+    colour: Rgba
+    truth: bool = False
+
+    def signal(self, sensor: str, channel: str) -> Floats | None:
+        """What was read, by the truth what should have been; None where it was not recorded."""
+        plain, ideal = f"stream:{sensor}/{channel}", f"stream:{sensor}/{channel}_ideal"
+        first, other = (ideal, plain) if self.truth else (plain, ideal)
+        signal = self.arrays.get(first, self.arrays.get(other))
+        return signal if signal is not None and len(signal) and f"stream:{sensor}/time" in self.arrays else None
+
+    def stamps(self, sensor: str) -> Floats:
+        """The times [s] of a sensor's readings."""
+        return self.arrays[f"stream:{sensor}/time"]
+
+
+def sources(stage: Stage) -> list[Source]:
+    """All runs of a stage, then its truth."""
+    runs = [Source(run.path, f"{run.engine} {run.track}", run.arrays, rgba(run.colour)) for run in stage.runs]
+    return [*runs, Source(TRUTH, "truth", stage.truth, (*GHOST[:3], 255), truth=True)]
+
+
+def mounted(stage: Stage, sensor: Mapping[str, Any], arrays: Mapping[str, Floats], time: Floats) -> tuple[Floats, Floats]:
+    """p_WS (k, 3) m and q_WS (k, 4) of a sensor at its readings, from the state nearest in time."""
+    p_BS, q_BS = np.asarray(sensor["p_BS"]), np.asarray(sensor["q_BS"])
+    carrier = next((k for k, body in enumerate(stage.bodies) if body["name"] == sensor["body"]), None)
+    if carrier is None:
+        return np.broadcast_to(p_BS, (len(time), 3)), np.broadcast_to(q_BS, (len(time), 4))
+    states = arrays["time"]
+    after = np.clip(np.searchsorted(states, time), 1, max(len(states) - 1, 1)) if len(states) > 1 else np.zeros(len(time), int)
+    nearest = np.where((after > 0) & (np.abs(states[after - 1] - time) < np.abs(states[after] - time)), after - 1, after)
+    return compose(arrays["p_WB"][nearest, carrier], arrays["q_WB"][nearest, carrier], p_BS, q_BS)

@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from plumbline.reports.recordings.colour import Rgba
-from plumbline.reports.recordings.layout import part
-from plumbline.reports.recordings.rotation import Floats, product
+from plumbline.harness.trajectory.kinematics import product
+from plumbline.reports.recordings.layout import Floats, Rgba, part
 
 if TYPE_CHECKING:
     import rerun as rr

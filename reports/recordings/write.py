@@ -1,29 +1,35 @@
-"""Writing the recordings of a run folder, each whole or not at all."""
+"""Writing the recordings of a run folder, each whole or not at all.
 
+The text beside the pictures: the question, every trial's outcome, and settings and measurements of those shown.
+
+A recording of a moment: the stretch about it alone, so that a viewer opens there, plays it slowly and in a loop.
+"""
+
+import json
 import os
-from collections.abc import Collection, Sequence
+import tempfile
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
+from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
+from plumbline.harness.findings.parameter_words import step_in_words, substeps_of
 from plumbline.harness.store.disk import put_in_place
 from plumbline.harness.store.journal import refuse_links
 from plumbline.harness.store.record import digest
 from plumbline.harness.store.store import Store
 from plumbline.reports.recordings.blueprint import layout
-from plumbline.reports.recordings.bodies import log_moving, log_paths, log_stage, sharing
+from plumbline.reports.recordings.bodies import arrow_scale, log_contacts, log_moving, log_paths, log_stage, log_truth, sharing
 from plumbline.reports.recordings.camera import Framing, framing
-from plumbline.reports.recordings.colour import rgba
-from plumbline.reports.recordings.contacts import arrow_scale, log_contacts
-from plumbline.reports.recordings.layout import LOG, WORLD, application_id, file_name
-from plumbline.reports.recordings.log import text
+from plumbline.reports.recordings.layout import LOG, WORLD, Floats, application_id, file_name, rgba
 from plumbline.reports.recordings.metrics import curves, log_curves, ranked
-from plumbline.reports.recordings.runs import RecordedRun, Stage, stage_of, touching
-from plumbline.reports.recordings.sampling import at_instants, shown
+from plumbline.reports.recordings.runs import RecordedRun, Stage, at_instants, shown, stage_of, touching
 from plumbline.reports.recordings.sensors import log_sensors, sensed
 from plumbline.reports.recordings.shapes import OVERLAID, Paint, ShapeBatch
-from plumbline.reports.recordings.truth import log_truth
-from plumbline.reports.words.text import slug
+from plumbline.reports.words.text import amount, settings_text, slug, visible
 
 if TYPE_CHECKING:
     import rerun as rr
@@ -117,3 +123,116 @@ def log_run(
     paint = Paint(colour, 3 * frame.radius, OVERLAID if touching(stage) else None)
     log_moving(rec, root, moving, seen.arrays, paint)
     log_contacts(rec, seen, scale, frame.size / 4)
+
+
+ESCAPED = str.maketrans({"\n": " ", "\t": " "} | {mark: f"\\{mark}" for mark in "\\|`*_<>[]"})
+"""What would end a cell, or be taken for a mark of Markdown."""
+
+
+def cell(value: Any) -> str:
+    """Text that stays within its cell of a Markdown table."""
+    return visible(str(value)).translate(ESCAPED)
+
+
+def table(head: Sequence[str], rows: Sequence[Sequence[Any]]) -> list[str]:
+    """Lines of a Markdown table."""
+    lines = [head, ["---"] * len(head), *([cell(value) for value in row] for row in rows)]
+    return [f"| {' | '.join(line)} |" for line in lines] + [""]
+
+
+def outcome(trial: Mapping[str, Any], note: str) -> str:
+    """The reason, and what of the trajectory is not shown."""
+    return f"{trial['reason']}; {note}" if note else str(trial["reason"])
+
+
+def text(store: Store, stage: Stage, newtons: float, notes: Sequence[str] = ()) -> str:
+    """The whole text as Markdown.
+
+    Args:
+        newtons: the force [N] of an arrow of unit length in m, 0 where no contact is drawn. notes: what else is to be said.
+    """
+    case = stage.case
+    lines = [f"# {cell(case.get('title') or stage.name)}", ""]
+    lines += [cell(case["question"]), ""] if case.get("question") else []
+    lines += [f"Truth: {cell(case['truth'])}. Source: {cell(case.get('source', ''))}", ""] if case.get("truth") else []
+    if newtons:
+        lines += [f"Contact forces: 1 m of arrow is {amount(newtons)} N; arrows end at three times the typical largest.", ""]
+    lines += [line for note in notes for line in (cell(note), "")]
+    if not stage.runs:
+        lines += ["No trial of this case left a trajectory; nothing can be drawn.", ""]
+    shown = {run.trial["trial"] for run in stage.runs}
+    ranked = sorted(stage.trials, key=lambda t: (t["trial"] not in shown, t["engine"], t["track"], -t["dt"]))
+    lines += ["## Outcomes", ""]
+    lines += table(
+        ("engine", "track", "time step", "shown", "status", "reason"),
+        [
+            (
+                t["engine"],
+                t["track"],
+                step_in_words(t["dt"], substeps_of(str(t["resolved"]))),
+                "yes" if t["trial"] in shown else "no",
+                t["status"],
+                outcome(t, stage.notes.get(t["trial"], "")),
+            )
+            for t in ranked
+        ],
+    )
+    for run in stage.runs:
+        lines += run_text(store, run.trial)
+    return "\n".join(lines)
+
+
+def run_text(store: Store, trial: Mapping[str, Any]) -> list[str]:
+    """Trial, settings and measurements of a run that is shown."""
+    lines = [f"## {cell(trial['engine'])}, {cell(trial['track'])}: {trial['status']}", ""]
+    lines += [f"Trial {trial['trial']}, version {cell(trial['engine_version'])}, seed {trial['seed']}", ""]
+    lines += [f"Requested: {cell(settings_text(trial['settings']))}", ""]
+    lines += [f"Resolved: {cell(settings_text(trial['resolved']))}", ""]
+    parameters = settings_text(trial["parameters"])
+    lines += [f"Parameters: {cell(parameters)}", ""] if parameters else []
+    warnings = json.loads(trial["warnings"]) if isinstance(trial["warnings"], str) else []
+    lines += [f"Warning: {cell(warning)}\n" for warning in warnings]
+    rows = store.measured.get(trial["trial"], ())
+    verdicts = {True: "holds", False: "fails"}
+    return lines + table(
+        ("metric", "value", "unit", "bound", ""),
+        [
+            (r["metric"], amount(r["value"]), r["unit"], amount(r["at_most"]), verdicts.get(r["passed"], "observed"))
+            for r in rows
+        ],
+    )
+
+
+SHARE = 0.06
+"""How far the stretch reaches to each side of the moment, of the whole time."""
+
+
+@lru_cache(maxsize=8)
+def moment_recording(store: Store, recording: str, at: float) -> bytes | None:
+    """The bytes of a recording of the stretch about a moment [s], of the case of a recording's name; None: there is none."""
+    name = next((str(case) for case in store.trials["case"].unique() if file_name(str(case)) == recording), None)
+    stage = None if name is None else about(stage_of(store, name), at)
+    if stage is None or not stage.runs:
+        return None
+    with tempfile.TemporaryDirectory() as folder:
+        return write_stage(store, stage, Path(folder), f"-{at:g}").read_bytes()
+
+
+def about(stage: Stage, at: float) -> Stage:
+    """The stage within the stretch about a moment [s]; a run that has nothing there is left out."""
+    end = max((float(run.time[-1]) for run in stage.runs), default=0.0)
+    low, high = at - SHARE * end, at + SHARE * end
+    runs = tuple(replace(run, arrays=_between(run.arrays, low, high)) for run in stage.runs)
+    truth = _between(stage.truth, low, high) if stage.truth else stage.truth
+    return replace(stage, runs=tuple(run for run in runs if len(run.time)), truth=truth if len(truth.get("time", ())) else {})
+
+
+def _between(arrays: Mapping[str, Floats], low: float, high: float) -> dict[str, Floats]:
+    """States, contacts and signals of the instants from `low` to `high` [s]; all else as it is."""
+    time = arrays["time"]
+    chosen = at_instants(arrays, np.flatnonzero((time >= low) & (time <= high)))
+    for name in [name for name in arrays if name.startswith("stream:")]:
+        stamps = arrays[name.rsplit("/", 1)[0] + "/time"]
+        if len(arrays[name]) == len(stamps):
+            chosen[name] = arrays[name][(stamps >= low) & (stamps <= high)]
+    return chosen

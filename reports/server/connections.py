@@ -11,8 +11,7 @@ from contextlib import suppress
 from http import HTTPStatus
 from pathlib import Path
 
-from plumbline.reports.server.answer import Response, text
-from plumbline.reports.server.request import PageRequest, Refused, read_head
+from plumbline.reports.server.request import PageRequest, Refused, Response, read_head, text
 
 MOST = 128
 """Connections at a time."""

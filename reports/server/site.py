@@ -1,4 +1,7 @@
-"""What is answered to which address: pages of our own, files of the run folder, and the viewer's program."""
+"""What is answered to which address: pages of our own, files of the run folder, and the viewer's program.
+
+The two pages of the server's own: what there is, and the page that holds the viewer.
+"""
 
 import asyncio
 import re
@@ -6,16 +9,58 @@ import sys
 from concurrent.futures import ThreadPoolExecutor
 from http import HTTPStatus
 from pathlib import Path
-from urllib.parse import unquote
+from urllib.parse import quote, unquote
+
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from plumbline.harness.intake.safe_text import LONGEST, one_line, visible
 from plumbline.harness.store.store import Store
 from plumbline.reports.html.policy import DATA, SERVED, VIEWER
 from plumbline.reports.recordings import moment_recording
-from plumbline.reports.server.answer import Response, text
+from plumbline.reports.recordings.layout import file_name
 from plumbline.reports.server.assets import AssetsMissing, viewer_file
-from plumbline.reports.server.pages import front_page, viewer_page
-from plumbline.reports.server.request import PageRequest
+from plumbline.reports.server.request import PageRequest, Response, text
+from plumbline.reports.words.text import plural
+
+TEMPLATES = __file__.removesuffix("pages.py") + "static"
+
+
+def template(name: str, **values: object) -> bytes:
+    """A page with every string escaped."""
+    page = Environment(loader=FileSystemLoader(TEMPLATES), autoescape=True, undefined=StrictUndefined).get_template(name)
+    return page.render(**values).encode()
+
+
+def recordings(store: Store) -> list[dict[str, object]]:
+    """A row for each case: its name and title, its recording if there is one, and how its trials ended."""
+    rows = []
+    for case, trials in store.trials.groupby("case", sort=False):
+        entry = store.catalogue.get("cases", {}).get(case, {})
+        path = store.folder / "recordings" / file_name(str(case))
+        counts = trials["status"].value_counts(sort=False)
+        rows.append(
+            {
+                "case": case,
+                "title": entry.get("title") or case,
+                "address": quote(f"/recordings/{path.name}") if path.is_file() else None,
+                "megabytes": path.stat().st_size / 1e6 if path.is_file() else None,
+                "outcomes": ", ".join(f"{count} {status}" for status, count in counts.items()),
+                "trials": plural(len(trials), "trial"),
+            }
+        )
+    return rows
+
+
+def front_page(store: Store) -> bytes:
+    """Links to the report and to each recording."""
+    report = (store.folder / "report" / "index.html").is_file()
+    return template("front.html", study=store.study.get("name", store.folder.name), report=report, rows=recordings(store))
+
+
+def viewer_page(store: Store) -> bytes:
+    """The page that loads the viewer; which recording is in the address."""
+    return template("view.html", study=store.study.get("name", store.folder.name))
+
 
 PAGE_MAKERS = 4
 """Threads; the program of the viewer, which takes seconds to come, has one of its own."""

@@ -6,9 +6,8 @@ from pathlib import Path
 from typing import Any
 
 from plumbline.harness.store.imported_scenes import ParityRecord, ParitySide, read
-from plumbline.reports.charts.palette import looks
-from plumbline.reports.html.policy import guarded
-from plumbline.reports.html.style import copy_style
+from plumbline.reports.charts.marks import looks
+from plumbline.reports.html.policy import copy_style, guarded
 from plumbline.reports.html.template import environment
 from plumbline.reports.words.text import amount, unit_text
 

@@ -10,12 +10,10 @@ from plumbline.harness.history.regressions import Trends
 from plumbline.harness.history.series import Series
 from plumbline.harness.store.disk import make_folder, write_atomically
 from plumbline.reports.charts.figure import Figure
-from plumbline.reports.charts.palette import looks
-from plumbline.reports.charts.panels import TrendPanel, engine_panels, panels
-from plumbline.reports.charts.trends import TrendMiniature, index_chart, miniature
+from plumbline.reports.charts.marks import looks
+from plumbline.reports.charts.trends import TrendMiniature, TrendPanel, engine_panels, index_chart, miniature, panels
 from plumbline.reports.html.drawing import Drawing
-from plumbline.reports.html.policy import guarded
-from plumbline.reports.html.style import copy_style
+from plumbline.reports.html.policy import copy_style, guarded
 from plumbline.reports.html.template import environment
 from plumbline.reports.html.written import SCRIPT, NotWritten, WrittenReport, picture_file, script_file
 from plumbline.reports.words.catalogue import FAMILIES

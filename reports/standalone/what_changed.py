@@ -1,15 +1,22 @@
-"""The page What changed: two run folders side by side, in sentences by weight, and as one table."""
+"""The page What changed: two run folders side by side, in sentences by weight, and as one table.
 
-from collections.abc import Collection
+What a night of a history says of what changed since each answer was last seen, from the files beside its report.
+"""
+
+import json
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
 from plumbline.harness.findings.changes import Change, Changes
 from plumbline.harness.findings.changes.words import command, folded, headline, judged_in_short, one_a_side, sentence, titled
 from plumbline.harness.store.disk import write_atomically
-from plumbline.reports.html.policy import guarded
-from plumbline.reports.html.style import copy_style
+from plumbline.harness.store.store import Store
+from plumbline.reports.html.policy import copy_style, guarded
 from plumbline.reports.html.template import environment
+from plumbline.reports.tables.trial_results import is_file
+from plumbline.reports.words.catalogue import titles
 
 PAGE = "what-changed.html"
 _SECTIONS = (
@@ -82,3 +89,39 @@ def write_what_changed(changes: Changes, folder: Path, gated: Collection[str] = 
     copy_style(folder)
     write_atomically(folder / PAGE, what_changed_page(changes, gated).encode("utf-8", "backslashreplace"))
     return folder / PAGE
+
+
+SHOWN = 4
+
+
+@dataclass(frozen=True, slots=True)
+class HistoryNews:
+    """Terms: worse, better: how many changes; sentences: of the worse ones first, heaviest first; page: its address."""
+
+    worse: int
+    better: int
+    sentences: Sequence[str]
+    page: str
+
+
+def _sentence(row: Mapping[str, Any], names: Mapping[str, str]) -> str:
+    """With titles; as the file has it where its row is of another version."""
+    try:
+        return sentence(titled(Change(**{field.name: row[field.name] for field in fields(Change)}), names))
+    except (KeyError, TypeError, ValueError):
+        return str(row.get("sentence", ""))
+
+
+def history_news(store: Store) -> HistoryNews | None:
+    """None where the run is no night of a history, or its first: there is nothing to compare it with."""
+    folder = store.folder / "changes"
+    if not is_file(folder / "changes.json") or not is_file(folder / PAGE):
+        return None
+    try:
+        rows: list[dict[str, Any]] = json.loads((folder / "changes.json").read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return None
+    worse, better = ([row for row in rows if row.get("sense") == sense] for sense in ("worse", "better"))
+    names = titles(store)
+    sentences = [_sentence(row, names) for row in (*worse, *better)[:SHOWN]]
+    return HistoryNews(len(worse), len(better), sentences, f"../changes/{PAGE}")

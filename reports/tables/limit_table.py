@@ -1,23 +1,27 @@
 """How far engines go, as people read it: a line for each axis, of each case the axis that breaks first, and who leads under
 each condition.
+
+Remedies: how often each helped, counted and in words, and what that costs.
 """
 
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from operator import attrgetter
+from statistics import median
 from textwrap import shorten
 
 from plumbline.harness.findings.emulations import whose
 from plumbline.harness.findings.limits_found import CONSTANT, Search, searches_if_described
 from plumbline.harness.findings.parameter_words import called
 from plumbline.harness.findings.standing import Lead, Reach, reaches
+from plumbline.harness.findings.tables.remedies import Remedied
 from plumbline.harness.metric.titles import metric_title
 from plumbline.harness.store.rows import grouped
 from plumbline.harness.store.store import Store
 from plumbline.reports.words.catalogue import cases, engines
-from plumbline.reports.words.disputes import disputed
-from plumbline.reports.words.text import amount, plural
+from plumbline.reports.words.known_findings import disputed
+from plumbline.reports.words.text import amount, join_words, plural
 
 _ROOM = 64
 """Characters that a cell has room for of why an engine broke; hovering tells the rest."""
@@ -63,7 +67,7 @@ def lines(store: Store, searches: Sequence[Search]) -> list[AxisLine]:
             (search.engine, search.setting): cell(search, laws[search.engine, search.track])
             for search in sorted(group, key=_order)
         }
-        cells |= {(reach.engine, worded(reach)): _within(reach) for reach in reaches(group) if reach.at == "equal time"}
+        cells |= {(reach.search.engine, worded(reach)): _within(reach) for reach in reaches(group) if reach.at == "equal time"}
         cells = {key: marked(unmarked, against[key[0]]) for key, unmarked in cells.items()}
         made.append(AxisLine(case, title, axis, list(dict.fromkeys(setting for _, setting in cells)), cells))
     return made
@@ -83,10 +87,11 @@ def worded(reach: Reach) -> str:
 
 def _within(reach: Reach) -> LimitCell:
     """What an engine held for so much time, and how."""
-    if reach.held is None or reach.cost is None:
+    hold, setting = reach.hold, reach.search.setting
+    if hold is None or hold.cost is None:
         return LimitCell(0.0, "none", "", "nothing was held at this price")
-    hint = f"{reach.setting}; {amount(1e3 * reach.cost)} ms of CPU time for a time step of the case, roughly"
-    return LimitCell(reach.reach, amount(reach.held), reach.setting, hint)
+    hint = f"{setting}; {amount(1e3 * hold.cost)} ms of CPU time for a time step of the case, roughly"
+    return LimitCell(hold.reach, amount(hold.value), setting, hint)
 
 
 def cell(search: Search, law: str = "") -> LimitCell:
@@ -254,3 +259,72 @@ def _reached(search: Search) -> ReachedLimit:
     words = f"not even {amount(search.easy)}" if search.held is None else f"to {amount(search.held)}"
     sign = metric_title(search.signs.counts[0][0]) if search.signs.counts else search.signs.status
     return ReachedLimit(search.engine, words, sign or "breaks", search.reach, search.trial_broke)
+
+
+_WORDS = {
+    "sub-steps x 4": "four times the sub-steps",
+    "time step / 4": "a quarter of the time step",
+    "more iterations": "as many iterations as the engine offers",
+    "continuous collision": "continuous collision",
+    "damping": "damping of all motion",
+}
+_PLURAL = ("sub-steps x 4", "more iterations")
+
+
+@dataclass(frozen=True, slots=True)
+class Tally:
+    """How often a remedy helped, of how many places, and its cost in the middle of those."""
+
+    helped: int
+    tried: int
+    cost: float | None
+
+
+def in_words(remedy: str) -> str:
+    """What a remedy changes: 'four times the sub-steps', 'the solver sequential impulses'."""
+    kind, _, value = remedy.partition(" ")
+    return _WORDS.get(remedy) or (
+        f"the {kind} {value.replace('_', ' ')}" if kind in ("solver", "integrator") else f"a {remedy}"
+    )
+
+
+def helped(tally: Sequence[tuple[str, Mapping[str, Tally]]]) -> list[str]:
+    """A sentence for each remedy that helps somewhere, the most helpful first, and one for all that help nowhere."""
+    sentences: list[tuple[float, str]] = []
+    nowhere: list[str] = []
+    for remedy, by_engine in tally:
+        tallies = list(by_engine.values())
+        times, tried = sum(one.helped for one in tallies), sum(one.tried for one in tallies)
+        costs = sorted(one.cost for one in tallies if one.cost is not None)
+        words = in_words(remedy)
+        if not times:
+            nowhere.append(words)
+            continue
+        price = f", at {_range(costs)} times the cost" if costs else ""
+        verb = "help" if remedy in _PLURAL else "helps"
+        sentence = f"{words[0].upper()}{words[1:]} {verb} in {times} of {plural(tried, 'place')}{price}."
+        sentences.append((times / tried, sentence))
+    listed = [sentence for _, sentence in sorted(sentences, key=lambda pair: -pair[0])]
+    return [*listed, *([f"Tried without help anywhere: {join_words(nowhere)}."] if nowhere else [])]
+
+
+def _range(costs: Sequence[float]) -> str:
+    """The least and the most of engines, or one of both."""
+    low, high = amount(costs[0], 2), amount(costs[-1], 2)
+    return low if low == high else f"{low} to {high}"
+
+
+def tally(remedies: Sequence[Remedied]) -> list[tuple[str, Mapping[str, Tally]]]:
+    """By remedy and engine, how often it helped where it was tried; the most helpful first."""
+    answered = [remedied for remedied in remedies if remedied.share_after is not None]
+    counted = {
+        remedy: {engine: _counted(mine) for engine, mine in grouped(tried, attrgetter("engine")).items()}
+        for remedy, tried in grouped(answered, attrgetter("remedy")).items()
+    }
+    return sorted(counted.items(), key=lambda item: -sum(count.helped for count in item[1].values()))
+
+
+def _counted(tried: Sequence[Remedied]) -> Tally:
+    helped = [remedied for remedied in tried if remedied.verdict == "helps"]
+    costs = [remedied.cost_ratio for remedied in helped if remedied.cost_ratio is not None]
+    return Tally(len(helped), len(tried), median(costs) if costs else None)

@@ -12,11 +12,12 @@ import pandas as pd
 from plumbline.harness.findings.cost_point import CostPoint
 from plumbline.harness.findings.emulations import share_in_words, whose
 from plumbline.harness.findings.once import once
-from plumbline.harness.findings.prices import PER_SECOND, Price, priced, unit_of
+from plumbline.harness.findings.prices import PER_SECOND, Beyond, Price, Reached, Silent, priced, unit_of
 from plumbline.harness.findings.standing import cheapest, counted, standing
+from plumbline.harness.statistics.interval import Interval
 from plumbline.harness.store.store import Store
 from plumbline.reports.words.catalogue import titled
-from plumbline.reports.words.disputes import disputed
+from plumbline.reports.words.known_findings import disputed
 from plumbline.reports.words.text import TIMES, amount, duration, knobs, power, slug, step
 
 SHOWN = 1e-2
@@ -40,6 +41,11 @@ class PriceEntry:
     hint: str
     law: str = ""
     disputed: str = ""
+
+    @property
+    def trial(self) -> str:
+        """The run that it leans on, '' where there is none."""
+        return "" if self.price.outcome.at is None else self.price.outcome.at.trial
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,64 +103,69 @@ def tried(store: Store) -> list[Tried]:
     return made
 
 
-def heat(price: Price) -> str:
-    """The shade of a price: the darkest is the cheapest."""
-    if price.ratio is None:
+def heat(ratio: Interval | None) -> str:
+    """The shade of a price over the cheapest: the darkest is the cheapest."""
+    if ratio is None:
         return "out"
-    return next((shade for limit, shade in HEATS if price.ratio <= limit * (1 + 1e-12)), "far")
+    return next((shade for limit, shade in HEATS if ratio.value <= limit * (1 + 1e-12)), "far")
 
 
 def entry(price: Price, beside: Price | None = None) -> PriceEntry:
     """One price in words. Args: beside: the cheapest, over which its ratio is."""
-    if price.cost is None:
-        if price.verdict == "not within the ladder":
-            return _outside(price)
-        return PriceEntry(price, price.verdict, "", "", "out", price.reason or f"{price.verdict}; {price.track}")
-    paced = price.unit == PER_SECOND
+    match price.outcome:
+        case Reached() as met:
+            return _met(price, met, beside)
+        case Beyond() as beyond:
+            return _outside(price, beyond)
+        case Silent(verdict=verdict, reason=reason):
+            return PriceEntry(price, verdict, "", "", "out", reason)
+
+
+def _met(price: Price, met: Reached, beside: Price | None) -> PriceEntry:
+    paced, (cost, low, high) = price.unit == PER_SECOND, met.cost
     sign = {"at most": "≥ " if paced else "at most ", "within the truth's error": "? "}.get(price.verdict, "")
-    text, between = (f"{amount(1 / price.cost)}{TIMES}" if paced else duration(price.cost)), ""
-    if price.low and price.high and math.isfinite(price.low) and math.isfinite(price.high):
-        durations = f"{duration(price.low)} to {duration(price.high)}"
-        between = f"{amount(1 / price.high)} to {amount(1 / price.low)}{TIMES}" if paced else durations
-    ratio = _ratio(price, beside)
-    hint = f"{knobs(price.track)}, dt {step(price.dt, price.substeps) if price.dt else 'not known'}; {price.verdict}"
+    text, between = (f"{amount(1 / cost)}{TIMES}" if paced else duration(cost)), ""
+    if low and high and math.isfinite(low) and math.isfinite(high):
+        between = f"{amount(1 / high)} to {amount(1 / low)}{TIMES}" if paced else f"{duration(low)} to {duration(high)}"
+    hint = f"{knobs(met.at.track)}, dt {step(met.at.dt, met.at.substeps)}; {price.verdict}"
     if paced:
-        hint = f"{duration(price.cost)} of CPU time per simulated second; {hint}"
-    if not price.cheapest and price.ratio_low is not None and price.ratio_high is not None:
-        hint += f"; {amount(price.ratio_low)} to {amount(price.ratio_high)} times the cheapest"
-    return PriceEntry(price, sign + text, ratio, between, heat(price), hint)
+        hint = f"{duration(cost)} of CPU time per simulated second; {hint}"
+    if not price.cheapest and met.ratio is not None:
+        hint += f"; {amount(met.ratio.low)} to {amount(met.ratio.high)} times the cheapest"
+    return PriceEntry(price, sign + text, _ratio(price, met, beside), between, heat(met.ratio), hint)
 
 
-def _ratio(price: Price, beside: Price | None) -> str:
+def _ratio(price: Price, met: Reached, beside: Price | None) -> str:
     """How many times the cheapest: a bound where one of both is an upper bound, and nothing where both are."""
-    if price.cheapest or price.ratio is None:
+    if price.cheapest or met.ratio is None:
         return ""
     short = price.verdict == "at most", beside is not None and beside.verdict == "at most"
     if all(short):
         return ""
-    sign = "≤ " if short[0] else "≥ " if short[1] else ""
-    return sign + amount(price.ratio, 3 if price.ratio < 2 else 2)
+    sign, times = "≤ " if short[0] else "≥ " if short[1] else "", met.ratio.value
+    return sign + amount(times, 3 if times < 2 else 2)
 
 
 def marked(store: Store, price: Price, beside: Price | None = None) -> PriceEntry:
     """One price in words, with whose laws it is about and whether it is disputed; settings have their track's laws."""
-    law = whose(store.catalogue, price.engine, price.case, store.bases.get(price.trial, ""))
-    own = share_in_words(price.emulated) if price.cost is not None else ""
+    leans_on = price.outcome.at
+    law = whose(store.catalogue, price.engine, price.case, store.bases.get(leans_on.trial, "") if leans_on else "")
+    own = share_in_words(price.reached.at.emulated) if price.reached is not None else ""
     against = disputed(store, price.engine, price.case)
     plain = entry(price, beside)
     hint = "; ".join(word for word in (plain.hint, f"{law} by the adapter" if law else "", own, against) if word)
     return replace(plain, hint=hint, law=": ".join(filter(None, (law, own))), disputed=against)
 
 
-def _outside(price: Price) -> PriceEntry:
+def _outside(price: Price, beyond: Beyond) -> PriceEntry:
     """An error that no run comes down to: how far they came, and the step at which a trend would get there."""
-    finest, best = f"dt {step(price.finest_dt, price.finest_substeps)}", amount(price.best_error, 2)
-    hint = f"no step down to {finest} and no setting that was run errs so little; the least is {best}, {knobs(price.track)}"
-    trend = ""
-    if price.foreseen_dt is not None:
-        foreseen = f"{amount(1e3 * price.foreseen_dt, 2)} ms"
+    finest = f"dt {step(price.finest.dt, price.finest.substeps)}" if price.finest is not None else ""
+    best, trend = amount(beyond.at.error, 2), ""
+    hint = f"no step down to {finest} and no setting that was run errs so little; the least is {best}, {knobs(beyond.at.track)}"
+    if beyond.trend is not None:
+        foreseen = f"{amount(1e3 * beyond.trend.dt, 2)} ms"
         trend = f"trend: {foreseen}"
-        hint += f"; {knobs(price.foreseen_track)}, of order {amount(price.foreseen_order, 2)}, would at {foreseen}"
+        hint += f"; {knobs(beyond.trend.track)}, of order {amount(beyond.trend.order, 2)}, would at {foreseen}"
     else:
         hint += "; of no setting does the error shrink steadily with the step"
     return PriceEntry(price, f"not by {finest}, best {best}", "", trend, "out", hint)

@@ -257,7 +257,7 @@ def _purpose(store: Store, name: str, title: str, why: str, wish: Wish, chosen: 
         values = [datum.value, datum.low, datum.high]
         if criterion == "speed":
             speed = evidence.speeds.get((case, engine))
-            values = [0, 0, 0, 0] if speed is None else [speed.times, speed.low, speed.high, int(speed.bound)]
+            values = [0, 0, 0, 0] if speed is None else [speed.times.value, *speed.times.ends, int(speed.bound)]
         cells.append([criteria.index(criterion), names.index(case), engines.index(engine), *values])
     return {
         "name": name,

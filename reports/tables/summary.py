@@ -14,7 +14,7 @@ from plumbline.reports.tables.own_scenes import by_case, summary
 from plumbline.reports.tables.verdicts import CaseVerdict, verdicts
 from plumbline.reports.words.catalogue import cases, compared_tracks, engines, setting_words, titles
 from plumbline.reports.words.catalogue import ours as yardsticks
-from plumbline.reports.words.disputes import disputed
+from plumbline.reports.words.known_findings import disputed
 from plumbline.reports.words.status import FINITE, STATUSES
 from plumbline.reports.words.text import TIMES, amount, join_words, plural
 
@@ -56,10 +56,10 @@ def studied(store: Store) -> list[str]:
     written = []
     if sentence := farthest(store):
         written.append(sentence)
-    if rows := [*map(effects.TABLE.flat, effects.verdicts_if_described(store))]:
+    if rows := effects.verdicts_if_described(store):
         written += effects.sentences(rows, accusing=False, titles=titles(store))
-    if rows := determinism.TABLE.rows(store):
-        written += determinism.sentences(rows, titles(store))
+    if repeated := determinism.repetitions(store):
+        written += determinism.sentences(repeated, titles(store))
     return written
 
 

@@ -10,7 +10,7 @@ import pytest
 from plumbline.harness.findings.vendor_findings import shelf
 from plumbline.harness.study import plugins
 from plumbline.harness.study.study import load_study
-from plumbline.reports.words.disputes import TABLE, read
+from plumbline.reports.words.known_findings import TABLE, read
 
 ROOT = Path(__file__).parents[2]
 PAGE = ROOT / "docs" / "fairness.md"

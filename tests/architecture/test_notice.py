@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from plumbline.reports.html.vega import vega_bundle
+from plumbline.reports.html.written import vega_bundle
 
 ROOT = Path(__file__).parents[2]
 NOTICE = (ROOT / "NOTICE").read_text(encoding="utf-8")

@@ -14,7 +14,7 @@ import pytest
 from PIL import Image
 
 from plumbline import reports
-from plumbline.reports.charts.palette import ENGINES
+from plumbline.reports.charts.marks import ENGINES
 from tests.browser.conftest import CHROMIUM, QUIET
 from tests.recorded_folder import Folder, record, rising, zoo
 

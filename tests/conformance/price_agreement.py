@@ -22,16 +22,13 @@ Agreement = Mapping[str, Any]
 
 def agreement(first: Sequence[Price], second: Sequence[Price]) -> Agreement:
     """Numbers of ratios in both runs and of those that overlap, of sure pairs of engines and those that flipped, in words."""
-    sides = [{(p.case, p.where, p.target, p.engine): p for p in prices if p.cost is not None} for prices in (first, second)]
+    sides = [{(p.case, p.where, p.target, p.engine): p for p in prices if p.reached is not None} for prices in (first, second)]
     both = [key for key in sides[0] if key in sides[1]]
     apart = []
     for key in both:
         one, other = sides[0][key], sides[1][key]
-        assert one.ratio_low is not None
-        assert one.ratio_high is not None
-        assert other.ratio_low is not None
-        assert other.ratio_high is not None
-        if one.ratio_low > other.ratio_high or other.ratio_low > one.ratio_high:
+        (low, high), (other_low, other_high) = (met.reached.ratio.ends for met in (one, other))
+        if low > other_high or other_low > high:
             apart.append(key)
     flips, sure = [], 0
     for question in dict.fromkeys(key[:3] for key in both):

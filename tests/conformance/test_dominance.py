@@ -111,8 +111,8 @@ def test_only_what_may_win_is_clocked(store: Store) -> None:
 def test_table_and_page_tell_all_of_it(store: Store) -> None:
     flat = table.TABLE.rows(store)
     assert {row["verdict"] for row in flat} >= {"dominated", "excused", "no better", "refused", "changes nothing"}
-    assert all(len(table.TABLE.brief(row)) == len(table.TABLE.shown) for row in flat)
-    sentences = table.TABLE.sentences(flat)
+    assert all(len(table.TABLE.brief(each)) == len(table.TABLE.shown) for each in table.TABLE.objects(store))
+    sentences = table.TABLE.said(store)
     assert sentences[0].startswith("beaten: ")
     assert any("failing/tuned with offset 0.0 keeps" in sentence for sentence in sentences)
     page = dict(PAGE.render(store))["dominance.html"]

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from plumbline.harness.findings.tables.scaling import COLUMNS
+from plumbline.harness.findings.tables.scaling import TABLE
 from plumbline.harness.study import plugins
 from tests.conftest import Command
 
@@ -75,7 +75,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory, printed: Command) -> Path:
 
 def test_every_scene_and_setting_has_a_price_for_its_own_unit(folder: Path, printed: Command) -> None:
     rows = json.loads(printed("show", folder, "--table", "scaling", "--format", "json").stdout)
-    assert all(tuple(row) == COLUMNS for row in rows)
+    assert all(tuple(row) == TABLE.columns for row in rows)
     costs = [row for row in rows if row["row"] == "cost"]
     assert {(row["where"], row["track"], row["unit"]) for row in costs} == {
         *((f"{n} balls", track, "step") for n in (4, 6, 8) for track in ("default", "cg")),

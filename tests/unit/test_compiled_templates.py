@@ -7,7 +7,7 @@ import pytest
 from jinja2 import DictLoader, Environment
 
 from plumbline.reports.html import template
-from plumbline.reports.html.compiled_templates import CompiledTemplates
+from plumbline.reports.html.template import CompiledTemplates
 
 TEXT = "{{ greeting }}, {{ 'world'|loud }}"
 

@@ -1,7 +1,5 @@
 """Repetitions compared bit by bit: the first step that differs, and how fast a difference grows."""
 
-from dataclasses import asdict
-
 import numpy as np
 import pytest
 
@@ -72,10 +70,9 @@ def test_how_often_repetitions_agree_is_said_with_titles_and_in_words() -> None:
         repetition("bullet", "restored", True, "unsupported"),
         repetition("bullet", "nudged", False, "parts"),
     ]
-    rows = [asdict(one) for one in found]
     said = "gives the same bits run again in 1 of 2, from a saved state: no answer, with bodies in another order in 0 of 1, "
-    assert sentences(rows) == [f"bullet {said}on 2 threads in 0 of 1."]
-    assert sentences(rows, {"bullet": "Bullet"}) == [f"Bullet {said}on 2 threads in 0 of 1."]
+    assert sentences(found) == [f"bullet {said}on 2 threads in 0 of 1."]
+    assert sentences(found, {"bullet": "Bullet"}) == [f"Bullet {said}on 2 threads in 0 of 1."]
 
 
 def test_what_survives_other_libraries_is_a_sentence_of_its_own() -> None:
@@ -86,6 +83,6 @@ def test_what_survives_other_libraries_is_a_sentence_of_its_own() -> None:
         repetition("bullet", "BLAS", False, "bit-identical", "A=1"),
         repetition("bullet", "BLAS", False, "differs", "A=1"),
     ]
-    again, libraries = sentences([asdict(one) for one in found], {"bullet": "Bullet"})
+    again, libraries = sentences(found, {"bullet": "Bullet"})
     assert again == "Bullet gives the same bits run again in 1 of 1."
     assert libraries == "Bullet and its adapter keep their bits with BLAS in 1 of 2, C library: no answer, NumPy: not tried."

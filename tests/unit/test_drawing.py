@@ -17,7 +17,7 @@ from plumbline.harness.cli.main import main
 from plumbline.harness.store.store import Store
 from plumbline.reports.charts.figure import Figure
 from plumbline.reports.html import report as html
-from plumbline.reports.html import vega
+from plumbline.reports.html import written
 from plumbline.reports.html.drawing import Drawing, NotDrawn, _Process
 from plumbline.reports.page import Picture, pages
 from tests.run_folder import write_run_folder
@@ -127,10 +127,10 @@ def test_trends_whose_charts_cannot_be_drawn_stand_with_their_reason_in_their_pl
     history = write_history(tmp_path / "h", 8, planted).root
     _let_drawing_die(monkeypatch)
     monkeypatch.setitem(sys.modules, "vl_convert", None)
-    monkeypatch.setattr(vega, "read_kept", lambda _: None)
-    vega.vega_bundle.cache_clear()
+    monkeypatch.setattr(written, "read_kept", lambda _: None)
+    written.vega_bundle.cache_clear()
     done = CliRunner().invoke(main, ["history", "trends", str(history)])
-    vega.vega_bundle.cache_clear()
+    written.vega_bundle.cache_clear()
     assert done.exit_code == 1, done.output
     assert "script 'style/vega.js' could not be made: what draws it was killed by SIGTRAP" in done.stderr
     pictures = list((history / "report" / "charts").iterdir())

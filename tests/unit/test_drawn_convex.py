@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from plumbline.reports.drawn.convex import entered, half_spaces
-from plumbline.reports.recordings.rotation import Floats
+from plumbline.reports.drawn.first_hits import entered, half_spaces
+from plumbline.reports.recordings.layout import Floats
 
 CUBE = [(x, y, z) for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)]
 HULL = {"type": "convex_hull", "vertices": [*CUBE, (0.0, 0.0, 2.0)]}

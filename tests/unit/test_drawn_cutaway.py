@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from plumbline.harness.trajectory import Floats
-from plumbline.reports.drawn.cutaway import opened
+from plumbline.reports.drawn.solids import opened
 
 WALLS = [(1.0, 0, 0), (-1.0, 0, 0), (0, 1.0, 0), (0, -1.0, 0), (0, 0, 1.0), (0, 0, -1.0)]
 EYE = np.array([2.0, -2.0, 1.0]) / 3.0

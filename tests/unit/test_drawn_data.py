@@ -6,7 +6,7 @@ import pytest
 
 from plumbline.harness.findings.tables.orders import ObservedOrder
 from plumbline.harness.statistics.order import Order
-from plumbline.reports.charts.palette import ENGINES
+from plumbline.reports.charts.marks import ENGINES
 from plumbline.reports.charts.work_precision import miniatures, work_precision
 from plumbline.reports.pages.case import orders
 from plumbline.reports.tables.price_list import scenes

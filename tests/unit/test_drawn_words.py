@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from plumbline.harness.findings.costs import Cost
+from plumbline.harness.findings.tables.scaling import Cost
 from plumbline.harness.statistics.interval import Interval
 from plumbline.harness.statistics.order import fit_order
 from plumbline.harness.store.store import Store

@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import asdict, replace
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
@@ -26,6 +26,7 @@ from plumbline.harness.scene import Body, Box, Effect, PlacedShape, Plane, Scene
 from plumbline.harness.scene.file import dump_toml
 from plumbline.harness.scene.importers.companion import beside, load_companion
 from plumbline.harness.search.needless_effects import FLOOR, Consequence, Scale, compared, departure, scale_of, weighed
+from plumbline.harness.statistics.interval import Interval
 from plumbline.harness.store.record import Record
 from plumbline.harness.store.store import Store
 from plumbline.harness.study import plugins
@@ -108,7 +109,7 @@ def audited(studied: Studied) -> Audited:
 
 def against(found: Sequence[EffectVerdict]) -> list[str]:
     """What the audit has against the scenes."""
-    return audit([asdict(one) for one in found]).sentences()
+    return audit(found).sentences()
 
 
 def test_a_scene_that_calls_for_what_it_needs_passes(audited: Audited) -> None:
@@ -141,12 +142,12 @@ def test_a_planted_gap_fails(audited: Audited) -> None:
 
 def test_an_engine_that_is_asked_alone_speaks_for_itself_and_gates_nothing(audited: Audited) -> None:
     """What the page, the table and the sentences say comes of the same rows, whoever was asked."""
-    surplus = [asdict(one) for one in audited(case_of("slide_made", sliding(widen=Effect.GYROSCOPIC)))]
+    surplus = audited(case_of("slide_made", sliding(widen=Effect.GYROSCOPIC)))
     told = audit(surplus)
     assert (told.judges(), told.scenes, len(told.failed)) == ("Judged by reference alone", 1, 1)
     assert told.sentences()[0].endswith("by reference alone")
     assert told.gating.failed == ()
-    assert audit([row for row in surplus if row["verdict"] == EVERYTHING]).judges() == "Judged by nobody"
+    assert audit([row for row in surplus if row.verdict == EVERYTHING]).judges() == "Judged by nobody"
 
 
 def others(*names: str, scene: Callable[[Scene], Scene] = lambda same: same) -> list[Adapter]:
@@ -167,24 +168,24 @@ def wrong_reference() -> Adapter:
     return replace(others("reference", scene=smooth)[0], distribution="plumbline")
 
 
-def of_friction(store: Store) -> dict[str, dict[str, Any]]:
+def of_friction(store: Store) -> dict[str, EffectVerdict]:
     """The rows about friction, by engine."""
-    return {row["engine"]: row for row in TABLE.rows(store) if row["effect"] == "friction"}
+    return {row.engine: row for row in verdicts(store) if row.effect == "friction"}
 
 
 def test_a_reference_that_is_wrong_condemns_nobody_and_shows(studied: Studied) -> None:
     """Two that agree outvote it, and its own row says so; alone it would have had friction left out."""
     case = case_of("slide_made", sliding())
     alone = studied(case, wrong_reference())
-    assert of_friction(alone)["reference"]["verdict"] == "paid for without need"
-    assert audit(TABLE.rows(alone)).gating.failed == ()
+    assert of_friction(alone)["reference"].verdict == "paid for without need"
+    assert audit(verdicts(alone)).gating.failed == ()
     rows = of_friction(both := studied(case, wrong_reference(), *others("first", "second")))
-    assert {engine: row["verdict"] for engine, row in rows.items()} == dict.fromkeys(rows, "needed and on")
-    assert {(row["judge"], row["against"]) for row in rows.values()} == {("first, second", "reference")}
-    told = audit(TABLE.rows(both))
+    assert {engine: row.verdict for engine, row in rows.items()} == dict.fromkeys(rows, "needed and on")
+    assert {(row.judge, row.against) for row in rows.values()} == {("first, second", "reference")}
+    told = audit(verdicts(both))
     assert told.failed == ()
     assert told.dissent() == ["slide_made: friction matters by first, second; reference would have it otherwise"]
-    assert f"Audit: {told.dissent()[0]}." in sentences(TABLE.rows(both))
+    assert f"Audit: {told.dissent()[0]}." in sentences(verdicts(both))
     assert "reference would have it otherwise" in str(PAGE.render(both)["effects.html"])
 
 
@@ -192,13 +193,11 @@ def test_two_engines_that_agree_against_one_show_and_one_word_against_another_sa
     """Ours has no vote: with it on its side one engine is not believed against another."""
     case, odd = case_of("slide_made", sliding()), others("odd", scene=smooth)
     rows = of_friction(studied(case, plugins.adapter("reference"), *others("first", "second"), *odd))
-    assert {(row["verdict"], row["judge"], row["against"]) for row in rows.values()} == {
-        ("needed and on", "first, second", "odd")
-    }
+    assert {(row.verdict, row.judge, row.against) for row in rows.values()} == {("needed and on", "first, second", "odd")}
     tied = of_friction(both := studied(case, plugins.adapter("reference"), *others("first"), *odd))
-    assert {row["verdict"] for row in tied.values()} == {NOT_JUDGED}
-    assert audit(TABLE.rows(both)).failed == ()
-    (doubt,) = (said for said in audit(TABLE.rows(both)).doubts() if "friction" in said)
+    assert {row.verdict for row in tied.values()} == {NOT_JUDGED}
+    assert audit(verdicts(both)).failed == ()
+    (doubt,) = (said for said in audit(verdicts(both)).doubts() if "friction" in said)
     assert "first says that it matters; odd says that it does not matter" in doubt
 
 
@@ -217,14 +216,14 @@ def test_the_truth_judges_where_a_case_has_one_and_one_engine_that_passes_is_eno
     )
     case = replace(case_of("fall_made", flying), truth="closed form", expected=expected, checks=(near,))
     floating = plant(plugins.adapter("reference"), scene=lambda scene: replace(scene, narrow=scene.narrow | Effect.GRAVITY))
-    rows = TABLE.rows(studied(case, floating, *others("first", "second")))
-    gravity = {row["engine"]: row for row in rows if row["effect"] == "gravity"}
-    assert {(row["verdict"], row["judge"]) for row in gravity.values()} == {("needed and on", "the truth")}
+    rows = verdicts(studied(case, floating, *others("first", "second")))
+    gravity = {row.engine: row for row in rows if row.effect == "gravity"}
+    assert {(row.verdict, row.judge) for row in gravity.values()} == {("needed and on", "the truth")}
     (spun,) = audit(rows).gating.failed
-    assert (spun["effect"], spun["judge"]) == ("gyroscopic", "the truth")
-    lone = audit(TABLE.rows(studied(case, *others("first"))))
+    assert (spun.effect, spun.judge) == ("gyroscopic", "the truth")
+    lone = audit(verdicts(studied(case, *others("first"))))
     assert lone.judges() == "Judged by the truth"
-    assert [row["effect"] for row in lone.gating.failed] == ["gyroscopic"]
+    assert [row.effect for row in lone.gating.failed] == ["gyroscopic"]
 
 
 def test_an_engine_whose_error_hides_an_effect_does_not_deny_it() -> None:
@@ -262,7 +261,7 @@ def test_the_minimal_set_is_found_by_leaving_out_together(audited: Audited) -> N
     assert [one.effects for one in found if one.verdict == "left out together"] == [("friction", "gyroscopic")]
     assert "friction, gyroscopic" in {one.effect for one in found}
     (scene,) = {(one.case, one.where) for one in found}
-    assert idle(scene, [asdict(one) for one in found]) == ["friction", "gyroscopic"]
+    assert idle(scene, found) == ["friction", "gyroscopic"]
 
 
 def test_the_minimal_set_is_a_file_that_can_be_run(tmp_path: Path, studied: Studied) -> None:
@@ -273,7 +272,7 @@ def test_the_minimal_set_is_a_file_that_can_be_run(tmp_path: Path, studied: Stud
     (tmp_path / "my_ball.plumb.toml").write_text("duration = 0.25\nseed = 3\n")
     case = plugins.case(f"{plugins.SCENE_PREFIX}{path}")
     store = studied(case, plugins.adapter("reference"))
-    told = [sentence for sentence in sentences(TABLE.rows(store)) if "gyroscopic" in sentence]
+    told = [sentence for sentence in TABLE.said(store) if "gyroscopic" in sentence]
     assert told[0].startswith("Audit: My ball: declares gyroscopic")
     assert str(path) not in " ".join(told)
     written = write_minimal(store, case)
@@ -371,13 +370,13 @@ def test_a_judge_without_an_answer_judges_nothing(studied: Studied) -> None:
     """Neither the whole scene, where it diverges as it is, nor an effect without which it gives no answer."""
     sound = plugins.adapter("reference")
     lost = plant(sound, simulation=Lost)
-    told = TABLE.rows(studied(case_of("slide_made", sliding()), lost))
+    told = verdicts(studied(case_of("slide_made", sliding()), lost))
     assert audit(told).judged == ()
     assert sentences(told) == [
         "Audit: slide_made: nothing is said of any effect: reference: diverged: by step 1 of 60 (t = 0 s): lost."
     ]
-    plain = [asdict(one) for one in verdicts(studied(case_of("slide_more", sliding()), sound))]
-    late = [row | ({"verdict": "timeout", "reason": "late"} if row["effect"] == "contact" else {}) for row in plain]
+    plain = verdicts(studied(case_of("slide_more", sliding()), sound))
+    late = [replace(one, verdict="timeout", reason="late") if one.effect == "contact" else one for one in plain]
     assert (audit(plain).scenes, audit(late).scenes) == (1, 0)
     assert audit(late).doubts() == ["slide_more: nothing is said of contact: reference: timeout: late"]
     titles = {"slide_more": "Sliding on", "reference": "Plumbline reference engine"}
@@ -441,13 +440,13 @@ def test_a_judge_that_is_itself_wrong_proposes_nothing_and_says_so(
     sound = plugins.adapter("reference")
     wrong = replace(plant(sound, simulation=partial(Wrong, aside=aside)), name=name)
     store = studied(case_of("slide_made", sliding(widen=Effect.GYROSCOPIC)), wrong)
-    told = {row["effect"]: row for row in TABLE.rows(store)}
-    assert told["friction"]["verdict"] == NOT_JUDGED
-    assert told["friction"]["reason"].startswith(f"{name}: has not converged: halving the step moves a body by ")
-    found = audit(list(told.values()))
+    told = {one.effect: one for one in verdicts(store)}
+    assert told["friction"].verdict == NOT_JUDGED
+    assert told["friction"].reason.startswith(f"{name}: has not converged: halving the step moves a body by ")
+    found = audit([*told.values()])
     assert found.failed == ()
-    assert {"friction", "gyroscopic"} <= {row["effect"] for row in found.open}
-    said = sentences(list(told.values()))
+    assert {"friction", "gyroscopic"} <= {one.effect for one in found.open}
+    said = sentences([*told.values()])
     assert not any("Proposed" in one or "declares" in one for one in said)
     (doubt,) = (one for one in said if "nothing is said of" in one)
     assert "friction" in doubt
@@ -480,8 +479,12 @@ def test_a_departure_says_which_effects_it_is_about_in_a_record_and_in_a_table()
 
 def test_the_saving_is_a_mean_of_ratios_and_a_ratio_of_sums() -> None:
     told = [("a", 2.0, 1.0), ("b", 0.5, 3.0), ("rays", 4.0, None)]
-    rows = [{"engine": "e", "verdict": EVERYTHING, "cost": c, "cpu_as_it_is": s, "case": name} for name, c, s in told]
-    (one,) = savings([*rows, {"engine": "e", "verdict": "needed and on", "cost": 9.0, "cpu_as_it_is": 1.0}])
+
+    def row(verdict: str, cost: float, second: float | None, case: str = "") -> SimpleNamespace:
+        return SimpleNamespace(engine="e", verdict=verdict, cost=Interval(cost), cpu_as_it_is=second, case=case)
+
+    rows = [row(EVERYTHING, cost, second, name) for name, cost, second in told]
+    (one,) = savings([*rows, row("needed and on", 9.0, 1.0)])
     assert one.mean == pytest.approx(4.0 ** (1 / 3))
     assert (one.low, one.high, one.scenes) == (0.5, 4.0, 3)
     assert one.summed == pytest.approx((2.0 * 1.0 + 0.5 * 3.0) / 4.0)

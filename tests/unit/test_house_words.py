@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from plumbline.reports.html.house_words import explained
+from plumbline.reports.html.template import explained
 from plumbline.reports.words.glossary import HOUSE_WORDS, WORD, glossary, house_word, linked
 from tests.conftest import Command
 from tests.links import dangling, files_of

@@ -73,18 +73,18 @@ def test_more_sub_steps_do_not_lead_at_equal_sub_steps() -> None:
             search("bullet", 1, substep=STEP),
         ]
     )
-    level = {(one.parts, one.engine): one.leads for one in found if one.at == "equal sub-step"}
+    level = {(one.parts, one.search.engine): one.leads for one in found if one.at == "equal sub-step"}
     assert level == {
         (1, "reference"): False, (1, "dart"): True, (1, "bullet"): False, (4, "reference"): True, (4, "dart"): False,
     }  # fmt: skip
-    assert {one.engine for one in found if one.parts == 4 and one.leads_without} == {"dart"}
+    assert {one.search.engine for one in found if one.parts == 4 and one.leads_without} == {"dart"}
 
 
 def test_what_took_a_finer_step_than_it_was_asked_for_is_not_compared() -> None:
     found = reaches([search("dart", 1, (0.4, 0.5, 1e-5)), search("bullet", 1, (0.9, 1.0, 1e-5), substep=STEP / 8)])
-    assert [(one.engine, one.leads) for one in found if one.parts] == [("dart", True)]
+    assert [(one.search.engine, one.leads) for one in found if one.parts] == [("dart", True)]
     coarse = reaches([search("dart", 4, (0.4, 0.5, 1e-5)), search("bullet", 4, (0.9, 1.0, 1e-5), substep=STEP)])
-    assert [one.engine for one in coarse if one.parts and one.leads] == ["bullet"]
+    assert [one.search.engine for one in coarse if one.parts and one.leads] == ["bullet"]
 
 
 def test_for_equal_time_the_farthest_that_is_cheap_enough_counts_whatever_the_setting() -> None:
@@ -96,7 +96,11 @@ def test_for_equal_time_the_farthest_that_is_cheap_enough_counts_whatever_the_se
             search("bullet", 0, (0.3, 0.4, 9e-5), (0.6, 0.7, None)),
         ]
     )
-    told = {(one.condition, one.engine): (one.held, one.further, one.setting, one.leads) for one in found if not one.parts}
+    told = {
+        (one.condition, one.search.engine): (one.hold and one.hold.value, one.further, one.search.setting, one.leads)
+        for one in found
+        if not one.parts
+    }
     assert told[1e-4, "dart"] == (0.1, 0.2, "default", False)
     assert told[1e-4, "bullet"] == (0.3, 0.4, "default", True)
     assert told[1e-3, "dart"] == (0.5, 0.8, "tuned, sub-step dt/4", True)
@@ -134,7 +138,7 @@ def test_an_upper_bound_on_a_price_leads_with_others_for_it_may_be_less() -> Non
 
 def test_a_bar_that_a_constant_crosses_ranks_nobody() -> None:
     far, constant = search("a", 1, (0.5, 0.6, None)), replace(search("b", 1, (0.1, 0.2, None)), verdict=CONSTANT)
-    assert {reach.engine for reach in reaches([far, constant])} == {"a"}
+    assert {reach.search.engine for reach in reaches([far, constant])} == {"a"}
 
 
 def test_the_table_of_limits_names_together_whose_brackets_meet_and_not_who_took_finer_steps() -> None:
@@ -145,17 +149,17 @@ def test_the_table_of_limits_names_together_whose_brackets_meet_and_not_who_took
         search("bullet", 1, (0.9, 1.0, None), substep=STEP / 8),
         search("reference", 1, (0.7, 0.8, None)),
     ]
-    (sentence,) = limits.TABLE.sentences([limits.TABLE.flat(each) for each in found])
+    (sentence,) = limits.TABLE.sentences(found)
     assert sentence == (
         "c, sub-step dt/1: x up to 0.45: mujoco (tuned, dt/1), dart (tuned, dt/1) to 0.4; reference, not ranked, 0.7."
     )
-    together = {reach.engine for reach in reaches(found) if reach.parts and reach.leads_without}
+    together = {reach.search.engine for reach in reaches(found) if reach.parts and reach.leads_without}
     assert together == {"dart", "mujoco"}
 
 
 def test_the_table_of_steps_ranks_what_can_be_deployed_as_every_other_table_does() -> None:
     told = [*ladder("a", "reference", 1e-3), *ladder("a", "dart", 4e-3), *ladder("a", "bullet", 4e-3)]
-    (sentence,) = steps.TABLE.sentences(steps.TABLE.rows(Priced(told)))
+    (sentence,) = steps.TABLE.said(Priced(told))
     paced = {name: f"{name} (tuned) at dt = 1/10 s" for name in ("dart", "bullet", "reference")}
     assert sentence.startswith(
         f"a: to stay within 1 %, of the steps that were run, fastest {paced['dart']}, 25 times real time"

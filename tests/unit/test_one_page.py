@@ -10,8 +10,7 @@ from plumbline.harness.store.store import Store
 from plumbline.reports import build, print_report
 from plumbline.reports.html import report as html
 from plumbline.reports.page import pages as registered
-from plumbline.reports.paper.one_page import Sheet, joined
-from plumbline.reports.paper.printing import NotPrinted, browser
+from plumbline.reports.paper.printing import NotPrinted, Sheet, browser, joined
 from tests.conftest import Command
 from tests.links import texts_of
 from tests.run_folder import BAD_CASE, write_run_folder

@@ -12,7 +12,7 @@ from click.testing import CliRunner
 
 from plumbline.harness.adapter import Adapter, Settings
 from plumbline.harness.cli.main import main
-from plumbline.harness.findings.tables.orders import COLUMNS, TABLE, convergences, verdict
+from plumbline.harness.findings.tables.orders import TABLE, convergences, verdict
 from plumbline.harness.store.journal import Journal
 from plumbline.harness.store.record import Measurement, Record
 from plumbline.harness.store.store import Store, write_json
@@ -63,8 +63,8 @@ def test_promises_are_read_off_the_engine_and_the_case_and_broken_ones_are_sente
     assert rows["slow"].verdict == "broken"
     for word in ("X", "SLOW", "tuned", "Runge-Kutta of order 4", "order 1.00 (1.00 to 1.00)", "promised is 4"):
         assert word in rows["slow"].finding
-    assert tuple(rows["slow"].flat()) == COLUMNS
-    assert TABLE.brief(rows["slow"].flat())[:4] == ["flight_x", "slow", "tuned", "rk4"]
+    assert tuple(TABLE.flat(rows["slow"])) == TABLE.columns
+    assert TABLE.brief(rows["slow"])[:4] == ["flight_x", "slow", "tuned", "rk4"]
 
 
 @pytest.mark.parametrize(
@@ -120,10 +120,10 @@ def test_the_command_line_shows_the_table_in_every_form_and_says_what_is_broken(
         return done.stdout
 
     (row,) = json.loads(shown("json"))
-    assert tuple(row) == COLUMNS
+    assert tuple(row) == TABLE.columns
     assert row["verdict"] == "broken"
     assert row["finding"] in shown("text")
-    assert shown("csv").splitlines()[0] == ",".join(COLUMNS)
+    assert shown("csv").splitlines()[0] == ",".join(TABLE.columns)
     assert len(shown("markdown").splitlines()) == 3
 
 

@@ -148,8 +148,8 @@ def test_every_table_is_made(made: tuple[Callable[[Path], Path], Path]) -> None:
         table = tables.table(name)
         rows = table.rows(store)
         assert all(row.keys() >= set(table.columns) for row in rows), name
-        assert all(len(table.brief(row)) == len(table.shown) for row in rows), name
-        table.sentences(rows)
+        assert all(len(table.brief(each)) == len(table.shown) for each in table.objects(store)), name
+        table.said(store)
 
 
 def test_a_page_that_fails_is_named_at_the_end_and_the_command_ends_with_1(

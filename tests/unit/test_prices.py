@@ -2,7 +2,6 @@
 
 import json
 import math
-from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -10,9 +9,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from plumbline.harness.findings.columns import at
 from plumbline.harness.findings.prices import Prices, interval, medians
 from plumbline.harness.findings.tables import price as price_table
-from plumbline.harness.findings.tables.profile import FACTOR, TABLE, SceneName, hinges, profile, sentences, without
+from plumbline.harness.findings.tables.profile import FACTOR, TABLE, SceneName, hinges, profile, without
 from plumbline.harness.findings.tables.steps import largest_steps
 from plumbline.harness.search.front import spread
 from plumbline.harness.statistics.bootstrap import ratio
@@ -66,17 +66,28 @@ def test_an_unclocked_answer_is_not_one_that_was_never_reached() -> None:
     told = [*ladder("a", "dart", 1.0, finest=1e-2), ("a", "dart", "tuned", 1e-3, 1e-6, None)]
     rows = {round(-math.log10(p.target)): p for p in Prices(Priced(told, rough=7.0)).prices}
     assert rows[4].verdict == "priced"
-    assert (rows[5].verdict, rows[5].cost, rows[5].reason, rows[5].dt) == ("not clocked", None, "roughly 7 CPU s", 1e-3)
+    assert (rows[5].verdict, at(rows[5], "outcome.reason"), at(rows[5], "outcome.at.dt")) == (
+        "not clocked",
+        "roughly 7 CPU s",
+        1e-3,
+    )
+    assert rows[5].reached is None
     assert rows[7].verdict == "not within the ladder"
 
 
 def test_an_error_below_the_ladder_is_foreseen_where_a_trend_leads_to_it() -> None:
     """Of .5 dt^2 down to 1e-3 s: 1e-8 is met at the root of 2e-8 s, and three decades of an order are no interval."""
     rows = {round(-math.log10(p.target)): p for p in Prices(Priced(ladder("a", "dart", 1.0))).prices}
-    assert (rows[6].verdict, rows[6].foreseen_dt) == ("priced", None)
-    assert (rows[8].verdict, rows[8].finest_dt, rows[8].best_error) == ("not within the ladder", 1e-3, pytest.approx(5e-7))
-    assert (rows[8].foreseen_dt, rows[8].foreseen_order) == pytest.approx((math.sqrt(2e-8), 2.0), rel=1e-9)
-    assert rows[8].foreseen_track == "tuned"
+    assert rows[6].verdict == "priced"
+    assert (rows[8].verdict, at(rows[8], "finest.dt"), at(rows[8], "best.error")) == (
+        "not within the ladder",
+        1e-3,
+        pytest.approx(5e-7),
+    )
+    assert (at(rows[8], "outcome.trend.dt"), at(rows[8], "outcome.trend.order")) == pytest.approx(
+        (math.sqrt(2e-8), 2.0), rel=1e-9
+    )
+    assert at(rows[8], "outcome.trend.track") == "tuned"
 
 
 @pytest.mark.parametrize("errors", [(1e-1, 1e-2, 1e-3, 1e-3, 1e-3), (1e-3, 1e-1, 2e-3, 5e-2, 1e-2), (1e-3,) * 5, (1e-1, 1e-2)])
@@ -84,21 +95,21 @@ def test_nothing_is_foreseen_of_an_error_that_does_not_shrink_steadily(errors: t
     """A floor, mere scatter, no slope at all, and two points, which have no interval."""
     told: list[Told] = [("a", "dart", "tuned", 0.1 / 2**k, error, 1.0 * 2**k) for k, error in enumerate(errors)]
     (last,) = [p for p in Prices(Priced(told)).prices if p.target == 1e-8]
-    assert (last.verdict, last.foreseen_dt, last.foreseen_track) == ("not within the ladder", None, "")
+    assert (last.verdict, at(last, "outcome.trend")) == ("not within the ladder", None)
 
 
 def test_no_trend_is_followed_beyond_a_millionth_of_the_finest_step() -> None:
     """An order of .02 from .5 down to 1e-8 takes 385 decades, which no floating-point number of steps has."""
     told: list[Told] = [("a", "dart", "tuned", 0.1 / 2**k, 0.5 * 2 ** (-0.02 * k), 1.0 * 2**k) for k in range(6)]
     (last,) = [p for p in Prices(Priced(told)).prices if p.target == 1e-8]
-    assert (last.verdict, last.foreseen_dt) == ("not within the ladder", None)
+    assert (last.verdict, at(last, "outcome.trend")) == ("not within the ladder", None)
 
 
 def test_of_two_trends_the_cheaper_is_foreseen() -> None:
     """First order is ahead at every step that was run; where it would be met, second order is cheaper by far."""
     first: list[Told] = [("a", "dart", "default", dt, 1e-2 * dt, 0.1 / dt) for dt in (1e-1, 3e-2, 1e-2)]
     (last,) = [p for p in Prices(Priced([*ladder("a", "dart", 1.0), *first])).prices if p.target == 1e-8]
-    assert last.foreseen_track == "tuned"
+    assert at(last, "outcome.trend.track") == "tuned"
 
 
 def test_an_error_that_jumps_costs_what_the_finer_step_does() -> None:
@@ -132,13 +143,14 @@ def test_what_the_truth_may_be_off_widens_the_price_by_as_much_as_moves_the_erro
     told: list[Told] = [("a", "dart", "tuned", 0.1 / c, 4 * e, c) for e, c in zip(error, cost, strict=True)]
     (found,) = [p for p in Prices(Priced(told, scale=4.0, off=4 * off)).prices if p.target == 1e-3]
     low, middle, high = (price(error + share * off, cost, np.array([1e-3]))[0] for share in (-0.95, 0.0, 0.95))
-    assert found.cost == pytest.approx(middle, rel=1e-9)
-    assert (found.low, found.high) == pytest.approx((low, high), rel=2.5e-3)
+    assert found.reached is not None
+    assert found.reached.cost.value == pytest.approx(middle, rel=1e-9)
+    assert found.reached.cost.ends == pytest.approx((low, high), rel=2.5e-3)
 
 
 def test_a_price_leans_on_the_cheapest_run_that_is_as_accurate() -> None:
     rows = {round(-math.log10(p.target)): p for p in Prices(Priced(ladder("a", "dart", 1.0))).prices}
-    assert [rows[k].dt for k in (1, 2, 3, 4, 5)] == [1e-1, 1e-1, 3e-2, 1e-2, 1e-3]
+    assert [at(rows[k], "reached.at.dt") for k in (1, 2, 3, 4, 5)] == [1e-1, 1e-1, 3e-2, 1e-2, 1e-3]
 
 
 def test_an_interval_leaves_out_a_fortieth_on_either_side() -> None:
@@ -178,12 +190,10 @@ def test_a_case_that_an_engine_was_not_put_to_is_not_held_against_it() -> None:
 def test_the_case_on_which_a_share_hangs_is_named() -> None:
     told = [*ladder("a", "dart", 1.0), *ladder("a", "bullet", 9.0), *ladder("b", "dart", 9.0), *ladder("b", "bullet", 1.0)]
     store = Priced([*told, *ladder("c", "dart", 1.0), *ladder("c", "bullet", 9.0)])
-    found = {share["engine"]: share for share in hinges(map(asdict, profile(Prices(store).prices))) if share["limit"] == FACTOR}
+    found = {share.engine: share for share in hinges(profile(Prices(store).prices)) if share.limit == FACTOR}
     assert without(found["dart"]) == (SceneName("b", ""), 1.0)
     assert without(found["bullet"]) == (SceneName("b", ""), 0.0)
-    assert "dart depends most on b: without it, it answers 100% instead of 67% at the lowest price." in sentences(
-        TABLE.rows(store)
-    )
+    assert "dart depends most on b: without it, it answers 100% instead of 67% at the lowest price." in TABLE.said(store)
 
 
 def test_the_reference_engine_is_a_line_beside_the_cheapest_that_can_be_deployed() -> None:
@@ -195,15 +205,15 @@ def test_the_reference_engine_is_a_line_beside_the_cheapest_that_can_be_deployed
         *ladder("b", "reference", 1.0),
     ]
     prices = Prices(Priced(told)).prices
-    ratios = {(price.case, price.engine): price.ratio for price in prices if price.target == 1e-2}
+    ratios = {(price.case, price.engine): at(price, "reached.ratio.value") for price in prices if price.target == 1e-2}
     assert ratios.pop(("b", "reference")) is None
     assert ratios == pytest.approx({("a", "dart"): 1.0, ("a", "bullet"): 3.0, ("a", "reference"): 0.5}, rel=1e-9)
     assert {price.engine for price in prices if price.cheapest} == {"dart"}
     shares = {(s.engine, s.within): (s.share, s.pairs) for s in profile(prices) if s.limit == FACTOR}
     assert (shares["dart", 1.0], shares["reference", 1.0], shares["bullet", 2.0]) == ((1.0, 6), (1.0, 6), (0.0, 6))
-    told_of_prices = [price_table.TABLE.brief(asdict(price)) for price in prices]
+    told_of_prices = [price_table.TABLE.brief(price) for price in prices]
     assert not any("None" in str(cell) or "nan" in str(cell) for row in told_of_prices for cell in row)
-    assert price_table.TABLE.sentences([asdict(price) for price in prices]) == [
+    assert price_table.TABLE.sentences(prices) == [
         "Of 6 pairs of case and error that an engine to deploy reaches, cheapest: dart 4, bullet 0; in 2 intervals meet or "
         "larger steps were not tried, and nobody is counted."
     ]

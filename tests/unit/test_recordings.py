@@ -18,14 +18,15 @@ from plumbline.harness.scene import (
 )
 from plumbline.harness.store.store import Store
 from plumbline.harness.trajectory import Contacts, Trajectory
+from plumbline.harness.trajectory.kinematics import angle_between
 from plumbline.reports import write_recordings
-from plumbline.reports.charts.palette import ENGINES
+from plumbline.reports.charts.marks import ENGINES
 from plumbline.reports.recordings.blueprint import layout
+from plumbline.reports.recordings.bodies import truth_at
 from plumbline.reports.recordings.camera import framed, framing
-from plumbline.reports.recordings.rotation import angle, compose
+from plumbline.reports.recordings.layout import compose
 from plumbline.reports.recordings.runs import stage_of
 from plumbline.reports.recordings.shapes import CROWD, OVERLAID
-from plumbline.reports.recordings.truth import truth_at
 from plumbline.reports.recordings.viewer import viewer_command
 from tests.recorded_folder import CORNERS, LAW, QUARTER, TIMES, Folder, Read, placed, record, rising, zoo
 
@@ -298,8 +299,8 @@ def test_a_pose_is_composed_as_by_hand_and_an_angle_is_blind_to_the_sign_of_a_qu
     p, q = compose(np.array([1.0, 0, 0]), quarter, np.array([1.0, 0, 0]), quarter)
     assert p == pytest.approx([1.0, 1.0, 0.0])
     assert q == pytest.approx([0.0, 0.0, 0.0, 1.0])
-    assert angle(quarter, np.array([1.0, 0, 0, 0])) == pytest.approx(np.pi / 2)
-    assert angle(quarter, -quarter) == pytest.approx(0.0)
+    assert angle_between(quarter, np.array([1.0, 0, 0, 0])) == pytest.approx(np.pi / 2)
+    assert angle_between(quarter, -quarter) == pytest.approx(0.0)
 
 
 @pytest.mark.parametrize("sides", [(1, 1, 1), (5, 1, 1), (1, 60, 1), (60, 1, 1), (1, 1, 20)])

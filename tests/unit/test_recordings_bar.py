@@ -19,10 +19,9 @@ from plumbline.harness.study import plugins
 from plumbline.harness.trajectory import Trajectory
 from plumbline.harness.trajectory.pace import Pace
 from plumbline.harness.trial.simulate import simulate
-from plumbline.reports.recordings.bodies import log_moving, poses, sharing
-from plumbline.reports.recordings.pivot import FAR, ROUNDING
-from plumbline.reports.recordings.rotation import Floats, compose
-from plumbline.reports.recordings.sampling import at_instants, shown
+from plumbline.reports.recordings.bodies import FAR, ROUNDING, log_moving, poses, sharing
+from plumbline.reports.recordings.layout import Floats, compose
+from plumbline.reports.recordings.runs import at_instants, shown
 from plumbline.reports.recordings.shapes import Paint, ShapeBatch
 from tests.recorded_folder import Read
 

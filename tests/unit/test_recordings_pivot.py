@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from plumbline.reports.recordings.pivot import ROUNDING, pivot_of
-from plumbline.reports.recordings.rotation import Floats, rotate
+from plumbline.harness.trajectory.kinematics import rotate
+from plumbline.reports.recordings.bodies import ROUNDING, pivot_of
+from plumbline.reports.recordings.layout import Floats
 
 TIME = np.linspace(0.0, 2.0, 241)
 P, ARM = np.array([1.0, -2.0, 0.5]), np.array([0.3, 0.1, -0.4])

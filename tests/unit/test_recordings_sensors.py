@@ -14,11 +14,9 @@ from plumbline.harness.store.store import Store
 from plumbline.reports import write_recordings
 from plumbline.reports.recordings.blueprint import layout
 from plumbline.reports.recordings.camera import framing
-from plumbline.reports.recordings.cameras import MOST_PIXELS, shown_frames
 from plumbline.reports.recordings.pixels import srgb
 from plumbline.reports.recordings.runs import stage_of
-from plumbline.reports.recordings.scans import beams, lit
-from plumbline.reports.recordings.sensors import sensed
+from plumbline.reports.recordings.sensors import MOST_PIXELS, beams, lit, sensed, shown_frames
 from plumbline.reports.recordings.viewer import viewer_command
 from tests.recorded_folder import Read
 from tests.sensor_folder import CASE, PIXELS, sensing, swinging, write_sensor_folder

@@ -13,8 +13,7 @@ from plumbline.harness.scene import Body, Box, Scene, Sphere
 from plumbline.harness.store.store import Store
 from plumbline.harness.trajectory import Trajectory
 from plumbline.reports.recordings.bodies import log_moving, sharing
-from plumbline.reports.recordings.runs import stage_of
-from plumbline.reports.recordings.sampling import FRAMES, WATCH, extremes, shown
+from plumbline.reports.recordings.runs import FRAMES, WATCH, extremes, shown, stage_of
 from plumbline.reports.recordings.shapes import Paint
 from tests.recorded_folder import LAW, Folder, Read, placed, record
 

@@ -239,7 +239,7 @@ def test_a_recorded_robot_stands_beside_every_engine_with_fits(tmp_path: Path, m
     assert row["delay"] == pytest.approx(0.05, abs=0.01)
     assert row["delay_explains"] > 0.9
     assert row["rms"] == pytest.approx(0.05 * 0.4 * 2 * math.pi * 0.7 / math.sqrt(2), rel=0.2)
-    (words,) = tables.table("recorded").sentences([row])
+    (words,) = tables.table("recorded").said(store)
     assert "a delay of" in words
     assert words.endswith("(a fit).")
 

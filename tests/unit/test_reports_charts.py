@@ -14,8 +14,7 @@ from plumbline.harness.store.store import Store
 from plumbline.reports.charts.compact import SCRIPTED, shown_rows
 from plumbline.reports.charts.errors import across_cases, error_by_step, points
 from plumbline.reports.charts.figure import POINTS, Figure, thin
-from plumbline.reports.charts.marks import decades
-from plumbline.reports.charts.palette import ENGINES
+from plumbline.reports.charts.marks import ENGINES, decades
 from plumbline.reports.tables.trial_results import answers, at_own_step
 from tests.charts import specs
 from tests.run_folder import BAD_CASE, CASES, write_run_folder

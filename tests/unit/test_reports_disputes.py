@@ -11,7 +11,7 @@ from plumbline.harness.store.store import Store
 from plumbline.reports.tables.limit_table import lines
 from plumbline.reports.tables.price_list import price_list
 from plumbline.reports.tables.summary import sentences
-from plumbline.reports.words import disputes
+from plumbline.reports.words import known_findings
 from tests.links import texts_of
 from tests.run_folder import write_run_folder
 from tests.unit.test_prices import Priced, ladder
@@ -34,7 +34,7 @@ def plant(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Any:
     def put(engine: str, case: str, more: str = "") -> None:
         table = tmp_path / f"disputed-{engine}-{case}.toml"
         table.write_text(ROW.format(engine=engine, case=case) + more)
-        monkeypatch.setattr(disputes, "TABLE", table)
+        monkeypatch.setattr(known_findings, "TABLE", table)
 
     return put
 
@@ -58,9 +58,9 @@ def test_a_disputed_price_is_marked_and_no_other(plant: Any, told: Priced) -> No
 
 def test_a_dispute_of_one_study_is_none_of_another(plant: Any, told: Priced) -> None:
     plant("dart", "a", 'study = "price"\n')
-    assert disputes.disputed(told, "dart", "a") == ""
+    assert known_findings.disputed(told, "dart", "a") == ""
     told.__dict__["study"] = {"name": "price"}
-    assert disputes.disputed(told, "dart", "a").startswith("disputed since 2026-11-23: ")
+    assert known_findings.disputed(told, "dart", "a").startswith("disputed since 2026-11-23: ")
 
 
 def test_a_disputed_axis_is_marked_in_its_cells_alone(plant: Any, told: Priced) -> None:
@@ -94,4 +94,4 @@ def test_a_disputed_finding_is_marked_in_the_summary_and_on_its_page(plant: Any,
 def test_a_row_that_says_something_else_is_refused(plant: Any, told: Priced, more: str) -> None:
     plant("dart", "a", more)
     with pytest.raises(ValidationError):
-        disputes.disputed(told, "dart", "a")
+        known_findings.disputed(told, "dart", "a")

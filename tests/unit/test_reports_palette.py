@@ -2,7 +2,7 @@
 
 import pytest
 
-from plumbline.reports.charts.palette import BACKGROUNDS, ENGINES, SPARE, looks
+from plumbline.reports.charts.marks import BACKGROUNDS, ENGINES, SPARE, looks
 
 
 def luminance(colour: str) -> float:

@@ -3,17 +3,19 @@
 import csv
 import io
 from collections.abc import Iterator
-from dataclasses import asdict, replace
+from dataclasses import replace
 from typing import Any
 
 import pytest
 from markupsafe import escape
 
-from plumbline.harness.findings.prices import priced
+from plumbline.harness.findings.columns import at
+from plumbline.harness.findings.prices import Reached, Silent, priced
 from plumbline.harness.findings.standing import pair_leads
 from plumbline.harness.findings.tables import price as price_table
 from plumbline.harness.findings.tables.profile import FACTOR, TIME, profile
 from plumbline.harness.findings.tables.steps import StepRange
+from plumbline.harness.statistics.interval import Interval
 from plumbline.harness.store.store import Store
 from plumbline.reports.charts.figure import Figure
 from plumbline.reports.charts.largest_steps import survival
@@ -21,8 +23,8 @@ from plumbline.reports.charts.performance_profile import profile_chart
 from plumbline.reports.charts.work_precision import miniatures, work_precision
 from plumbline.reports.pages import index
 from plumbline.reports.pages.price import PAGE
-from plumbline.reports.tables.failures import failing
 from plumbline.reports.tables.price_list import PriceLine, heat, price_list, scenes, wins
+from plumbline.reports.tables.verdicts import failing
 from plumbline.reports.words.text import duration, power
 from tests.links import texts_of
 from tests.run_folder import BAD_CASE, HOSTILE, write_run_folder
@@ -148,12 +150,14 @@ def test_a_list_ends_at_the_first_error_that_nobody_reaches_and_shades_by_the_ra
     assert [line.target for line in lines] == [power(-k) for k in range(1, 8)]
     assert [line.last for line in lines] == [False] * 6 + [True]
     first: PriceLine = lines[1]
-    assert first.entries["reference"].price.cost == pytest.approx(1e-3 / 0.1, rel=1e-9)  # 0.1 s errs 5e-3 already
+    assert at(first.entries["reference"].price, "reached.cost.value") == pytest.approx(
+        1e-3 / 0.1, rel=1e-9
+    )  # 0.1 s errs 5e-3 already
     assert (first.entries["reference"].shade, first.entries["dart"].shade, first.entries["dart"].ratio) == ("x1", "x1", "")
     # The other's is a bound too: of two bounds there is no ratio.
     assert first.entries["reference"].text == "≥ 100\N{MULTIPLICATION SIGN}"
     assert lines[5].entries["dart"].text.startswith("not by dt 1/100 s, best 5")
-    assert heat(lines[5].entries["dart"].price) == "out"
+    assert lines[5].entries["dart"].shade == heat(None) == "out"
 
 
 def test_terminal_and_page_count_alike_who_is_cheapest_and_nobody_whose_order_is_not_known() -> None:
@@ -162,11 +166,11 @@ def test_terminal_and_page_count_alike_who_is_cheapest_and_nobody_whose_order_is
     store = Priced([*told(), *ladder("a", "bullet", 9e-3)])
     prices = priced(store).prices
     bounds = sum(price.verdict == "at most" for price in prices if price.engine == "bullet")
-    alone = {name: sum(price.cost is not None for price in prices if price.engine == name) for name in ("dart", "bullet")}
+    alone = {name: sum(price.reached is not None for price in prices if price.engine == name) for name in ("dart", "bullet")}
     assert (bounds, alone) == (2, {"dart": 4, "bullet": 6})
     won = wins(prices)
     assert (won.counts, won.open) == ([("bullet", 2), ("dart", 2)], bounds)
-    (sentence,) = price_table.TABLE.sentences([asdict(price) for price in prices])
+    (sentence,) = price_table.TABLE.sentences(prices)
     assert sentence == (
         "Of 6 pairs of case and error that an engine to deploy reaches, cheapest: bullet 2, dart 2; in 2 intervals meet or "
         "larger steps were not tried, and nobody is counted."
@@ -177,14 +181,20 @@ def test_terminal_and_page_count_alike_who_is_cheapest_and_nobody_whose_order_is
 
 def test_where_intervals_of_costs_meet_nobody_is_counted_as_cheapest() -> None:
     prices = priced(Priced([*ladder("a", "dart", 1.0), *ladder("a", "bullet", 1.1)])).prices
-    wide = [replace(price, low=price.cost and 0.9 * price.cost, high=price.cost and 1.2 * price.cost) for price in prices]
+
+    def widened(met: Reached) -> Reached:
+        return replace(met, cost=Interval(met.cost.value, 0.9 * met.cost.value, 1.2 * met.cost.value))
+
+    wide = [price if price.reached is None else replace(price, outcome=widened(price.reached)) for price in prices]
     assert wins(prices).counts[0] == ("dart", 4)
     assert (wins(wide).known, wins(wide).open) == (0, 6)
 
 
 def test_an_engine_without_any_answer_has_lost_to_nobody_and_one_left_alone_has_won_nothing() -> None:
     prices = priced(Priced([*told(), *ladder("a", "bullet", 9e-3)])).prices
-    silent = [replace(price, verdict="no answer", cost=None) if price.engine == "dart" else price for price in prices]
+    silent = [
+        replace(price, outcome=Silent(verdict="no answer", reason="")) if price.engine == "dart" else price for price in prices
+    ]
     assert (wins(prices).alone, wins(silent).alone) == ("", "bullet")
     assert [name for name, _ in wins(silent).counts] == ["bullet"]
     shares = [share for share in profile(priced(Priced(told())).prices) if share.engine == "reference"]

@@ -28,7 +28,7 @@ def test_a_store_with_a_sweep_has_the_page_with_every_row(scaling: Scaling) -> N
     assert "it took too long" in page
     assert "1.25" in texts["charts/growth-0.svg"].svg
     assert checked([page]) > 0
-    assert len(texts["scaling.csv"].splitlines()) == 1 + len(scaling.rows())
+    assert len(texts["scaling.csv"].splitlines()) == 1 + len(scaling.rows)
 
 
 def test_the_chart_and_the_table_state_the_same_exponents_and_leave_out_the_same_one(scattered: Scaling) -> None:  # noqa: F811

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from plumbline.reports.html import vega
+from plumbline.reports.html import written
 
 
 @pytest.fixture
@@ -18,14 +18,14 @@ def made(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[list[str]]
         calls.append("made")
         return "chart();\r\n"
 
-    monkeypatch.setattr(vega, "_made", make)
+    monkeypatch.setattr(written, "_made", make)
     yield calls
-    vega.vega_bundle.cache_clear()
+    written.vega_bundle.cache_clear()
 
 
 def bundle() -> str:
-    vega.vega_bundle.cache_clear()
-    return vega.vega_bundle()
+    written.vega_bundle.cache_clear()
+    return written.vega_bundle()
 
 
 def test_it_is_made_once_and_kept(made: list[str], tmp_path: Path) -> None:

@@ -2,6 +2,7 @@
 
 import json
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -85,10 +86,10 @@ def test_no_sentence_of_the_summary_ranks_our_engine(folder: Path) -> None:
 
 
 def test_the_table_of_limits_ranks_the_others_and_puts_the_yardstick_beside_them() -> None:
-    def row(engine: str, held: float | None, reach: float, axis: str = "speed") -> dict[str, object]:
+    def row(engine: str, held: float | None, reach: float, axis: str = "speed") -> SimpleNamespace:
         told = {"experiment": "e", "case": "wall", "where": "", "axis": axis, "verdict": "limit"}
         told |= {"further": reach, "fair": True}
-        return told | {"engine": engine, "track": "tuned", "parts": 4, "held": held, "reach": reach}
+        return SimpleNamespace(**told, engine=engine, track="tuned", parts=4, held=held, reach=reach)
 
     rows = [row("reference", 50.0, 1.0), row("mujoco", 10.0, 0.5), row("dart", 10.0, 0.5)]
     rows += [row("reference", 2.0, 0.2, "mass"), row("mujoco", None, 0.0, "mass")]

@@ -244,7 +244,10 @@ def test_the_ratio_told_is_that_of_the_speeds_shown_and_these_are_of_the_same_ca
     found = choose(Store(write_selection_folder(tmp_path / "run", engines, 0, steps=(1 / 240,))), Wish(max_error=0.5))
     evidence = found.evidence
     assert len(evidence.compared) == len(CASES) - 3
-    logs = [math.log(evidence.speeds[case, "dart"].times / evidence.speeds[case, "mujoco"].times) for case in evidence.compared]
+    logs = [
+        math.log(evidence.speeds[case, "dart"].times.value / evidence.speeds[case, "mujoco"].times.value)
+        for case in evidence.compared
+    ]
     ratio = math.exp(sum(logs) / len(logs))
     shown = {engine: evidence.speed(engine) for engine in engines}
     assert shown["dart"] == pytest.approx(ratio * shown["mujoco"])

@@ -3,6 +3,7 @@
 import dataclasses
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -48,8 +49,8 @@ def test_every_channel_of_every_sensor_is_a_row_with_the_named_columns(store: St
         ("imu", "accelerometer"), ("imu", "gyroscope"), ("lidar", "range"), ("lidar", "intensity"),
         ("depth", "depth"), ("camera", "colour"), ("camera", "depth"), ("camera", "body"),
     ]  # fmt: skip
-    assert all(tuple(row) == table.COLUMNS for row in rows)
-    assert [len(table.TABLE.brief(row)) for row in rows] == [len(table.TABLE.shown)] * len(rows)
+    assert all(tuple(row) == table.TABLE.columns for row in rows)
+    assert [len(table.TABLE.brief(row)) for row in table.TABLE.objects(store)] == [len(table.TABLE.shown)] * len(rows)
 
 
 def test_a_trial_without_readings_is_a_row_with_its_outcome_and_its_reason(store: Store) -> None:
@@ -241,18 +242,18 @@ def test_rays_are_counted_by_beams_and_pixels() -> None:
 
 
 def test_the_sentences_say_who_keeps_its_bounds_and_what_a_read_ray_costs(store: Store) -> None:
-    said = table.sentences(table.TABLE.rows(store))
+    said = table.TABLE.said(store)
     assert "reference: 2 of 2 ideal signals stay within their bounds." in said
     assert "mujoco: 0 of 2 ideal signals stay within their bounds." in said
     assert "bullet: no readings in 1 run." in said
     # Cameras share the price of this scene, so it says nothing of a beam.
     assert not any("bare" in text for text in said)
-    (row,) = [row for row in table.TABLE.rows(store) if (row["engine"], row["channel"]) == ("reference", "range")]
-    assert row["times_bare"] is None
-    said = table.sentences([row | {"times_bare": 1.9}])
+    (row,) = [row for row in table.TABLE.objects(store) if (row.engine, row.channel) == ("reference", "range")]
+    assert row.times_bare is None
+    said = table.sentences([replace(row, times_bare=1.9)])
     assert f"{CASE}: on reference, tuned, a ray that is read costs 1.9 bare ones." in said
     titles = {CASE: "Room with a wall", "reference": "Plumbline reference engine"}
-    spoken = table.sentences([row | {"times_bare": 1.9}], titles)
+    spoken = table.sentences([replace(row, times_bare=1.9)], titles)
     assert spoken == [
         "Plumbline reference engine: 1 of 1 ideal signals stay within their bounds.",
         "Room with a wall: on Plumbline reference engine, tuned, a ray that is read costs 1.9 bare ones.",

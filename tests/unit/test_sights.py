@@ -18,8 +18,8 @@ from plumbline.reports.page import pages
 from plumbline.reports.pictures.case_pictures import CaseSight, sight
 from plumbline.reports.pictures.motion_chart import labelled
 from plumbline.reports.recordings.camera import around_held
-from plumbline.reports.recordings.moment import about, moment_recording
 from plumbline.reports.recordings.runs import stage_of
+from plumbline.reports.recordings.write import about, moment_recording
 from tests.links import texts_of
 from tests.recorded_folder import Folder, placed, record
 

@@ -25,7 +25,7 @@ def test_between_two_steps_the_speed_is_that_of_the_error_asked_for(tmp_path: Pa
     found = speed_of(tmp_path, Made(2.0, 0.1), 1e-2)
     assert found is not None
     assert (found.at_error, found.bound) == (True, False)
-    assert found.times == pytest.approx(5.0, rel=1e-6)
+    assert found.times.value == pytest.approx(5.0, rel=1e-6)
     assert found.error == 1e-2
     assert found.step == ""
 
@@ -46,7 +46,7 @@ def test_where_no_step_errs_more_it_is_the_cheapest_run_and_says_so(tmp_path: Pa
     found = speed_of(tmp_path, Made(0.2, 0.1), 1e-1)
     assert found is not None
     assert (found.at_error, found.bound) == (False, True)
-    assert found.times == pytest.approx(COARSEST * 240 / 0.1, rel=1e-6)
+    assert found.times.value == pytest.approx(COARSEST * 240 / 0.1, rel=1e-6)
     assert found.error == pytest.approx(8e-3)
     assert found.words == "40 times real time at dt = 1/60 s"
 

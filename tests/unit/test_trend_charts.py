@@ -11,9 +11,8 @@ from plumbline.harness.history.readings import NightOf
 from plumbline.harness.history.steps import PriceStep
 from plumbline.harness.statistics.change_points import Level
 from plumbline.reports.charts.figure import Figure
-from plumbline.reports.charts.palette import ENGINES
-from plumbline.reports.charts.panels import TrendPanel
-from plumbline.reports.charts.trends import index_chart, miniature
+from plumbline.reports.charts.marks import ENGINES
+from plumbline.reports.charts.trends import TrendPanel, index_chart, miniature
 
 INDEX = np.array([1.01, 0.99, np.nan, 1.31, 1.29, 0.71])
 """A night without a clock, a step on the night after it, and another version on the last one."""

@@ -165,7 +165,7 @@ def test_the_table_has_a_row_a_robot_and_engine_and_one_for_who_does_not_go_in(r
     assert rows["pair", "mujoco"]["omission"] > 0.02
     assert rows["pair", "dart"]["omission"] is None
     assert rows["broken", ""]["stage"] == "refused"
-    words = table.sentences(list(rows.values()))
+    words = table.said(ran)
     assert words[0] == "3 of 5 robots go in; 3 run on all of dart, mujoco, reference."
     assert words[-1] == "Of those that do not go in: refused 1, not here 1." or words[-1].endswith("not here 1, refused 1.")
 

@@ -103,7 +103,7 @@ def _by_speed(engine: str, evidence: Evidence, wish: Wish) -> Dropped | None:
     """The first case in which an engine is not fast enough."""
     for case in evidence.cases if wish.realtime is not None else ():
         datum, speed = evidence.table.get(("speed", case, engine)), evidence.speeds.get((case, engine))
-        slow = speed is not None and wish.realtime is not None and speed.times < wish.realtime and not speed.bound
+        slow = speed is not None and wish.realtime is not None and speed.times.value < wish.realtime and not speed.bound
         if datum is not None and (speed is None or slow):
             asked = f"{wish.realtime:g} times real time"
             return Dropped(engine=engine, requirement=asked, value=datum.says, case=case, trial=datum.trial)
@@ -114,10 +114,10 @@ def _left_open(evidence: Evidence, wish: Wish, left: Sequence[str]) -> Iterator[
     """Of each engine the first case in which it may be fast enough at the error asked for, at a larger step than were run."""
     for engine in left:
         for (case, name), speed in evidence.speeds.items():
-            if name == engine and wish.realtime is not None and speed.bound and speed.times < wish.realtime:
+            if name == engine and wish.realtime is not None and speed.bound and speed.times.value < wish.realtime:
                 asked = f"{wish.realtime:g} times real time"
                 value = f"{speed.words}, and no larger step was run"
-                yield Dropped(engine=engine, requirement=asked, value=value, case=case, trial=speed.trial)
+                yield Dropped(engine=engine, requirement=asked, value=value, case=case, trial=speed.at.trial)
                 break
 
 

@@ -86,18 +86,18 @@ def _ends(
 def _speeds(store: Store, evidence: Evidence, wish: Wish, case: str, engine: str) -> Iterator[Mapping[str, float]]:
     """What the steps of the case's ladder can make of an engine there, by criterion, at the ends."""
     ladder = [float(dt) for dt in store.catalogue.get("cases", {}).get(case, {}).get("ladder") or ()]
-    unit = max((other.times for (of, _), other in evidence.speeds.items() if of == case), default=0.0)
+    unit = max((other.times.value for (of, _), other in evidence.speeds.items() if of == case), default=0.0)
     speed = evidence.speeds.get((case, engine))
     if speed is None:
         points = [p for p in priced(store).points if (p.case, p.engine, p.track) == (case, engine, evidence.tracks[engine])]
         finest = min(points, key=lambda point: point.dt, default=None)
         if finest is not None and unit and min(ladder, default=finest.dt) < finest.dt:
             yield {}
-            yield {"speed": _score(min(ladder) / finest.dt / finest.cost, unit), "accuracy": 1.0}
+            yield {"speed": _score(min(ladder) / finest.dt / finest.cost.value, unit), "accuracy": 1.0}
         return
     slow, fast = prospect(speed, ladder, wish.max_error)
     # An engine that takes smaller steps for it errs as little as was asked.
-    exact = {"accuracy": 1.0} if slow < speed.low else {}
+    exact = {"accuracy": 1.0} if slow < speed.times.ends[0] else {}
     yield {"speed": _score(slow, unit)} | exact
     yield {"speed": _score(fast, unit)} | exact
     if exact:
@@ -111,11 +111,11 @@ def _score(times: float, unit: float) -> float:
 
 def prospect(speed: Speed, ladder: Sequence[float], error: float) -> tuple[float, float]:
     """Times real time at the least and at the most, once the steps of the ladder are run as well."""
-    low, high = speed.low, speed.high
+    low, high = speed.times.ends
     if speed.bound:
-        high *= max(1.0, max(ladder, default=speed.dt) / speed.dt)
-    elif not speed.at_error and min(ladder, default=speed.dt) < speed.dt:
-        low *= max(min(ladder) / speed.dt, error / speed.error)
+        high *= max(1.0, max(ladder, default=speed.at.dt) / speed.at.dt)
+    elif not speed.at_error and min(ladder, default=speed.at.dt) < speed.at.dt:
+        low *= max(min(ladder) / speed.at.dt, error / speed.error)
     return low, high
 
 

@@ -4,7 +4,6 @@ Errors and speeds are compared by their logarithms: ten times the error asked fo
 use. Each engine is judged at one of its settings, the same in all cases of a purpose.
 """
 
-import json
 import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -14,17 +13,16 @@ from operator import attrgetter, itemgetter
 from statistics import geometric_mean, median
 from typing import Any, TypeVar
 
-from plumbline.harness.findings.agreement.found import AGREED_TRUTH
+from plumbline.harness.findings.agreement.found import AGREED_TRUTH, agreements
 from plumbline.harness.findings.limits_found import CONSTANT, searches_if_described
 from plumbline.harness.findings.once import once
 from plumbline.harness.findings.parameter_words import substeps_of, substeps_taken
-from plumbline.harness.findings.prices import number, priced
+from plumbline.harness.findings.prices import priced
 from plumbline.harness.findings.selection.wish import Wish
 from plumbline.harness.findings.speed import BEYOND, Side, Speed, speeds
-from plumbline.harness.findings.tables.agreement import TABLE as AGREEMENT
 from plumbline.harness.findings.tables.determinism import repetitions
 from plumbline.harness.metric.titles import metric_title
-from plumbline.harness.store.rows import grouped, records
+from plumbline.harness.store.rows import grouped, number, records
 from plumbline.harness.store.store import Store
 
 DECADES_OF_ERROR, DECADES_OF_SPEED = math.log10(BEYOND), 2.0
@@ -99,7 +97,7 @@ class Evidence:
     def speed(self, engine: str) -> float | None:
         """The geometric mean of an engine's speeds over the cases `compared`, in times real time, so that ratios of such means
         are means of ratios; None where it lacks one."""
-        mine = [self.speeds[case, engine].times for case in self.compared if (case, engine) in self.speeds]
+        mine = [self.speeds[case, engine].times.value for case in self.compared if (case, engine) in self.speeds]
         return geometric_mean(mine) if mine and len(mine) == len(self.compared) else None
 
     def beyond(self, engine: str) -> tuple[str, ...]:
@@ -166,7 +164,7 @@ def _accuracy(store: Store, target: float) -> dict[Side, Datum]:
         own = about.get("dt") or median(row["dt"] for row in group)
         row = min(group, key=lambda row: abs(math.log(row["dt"] / own)))
         if speed is not None:
-            row = next(row for row in group if row["trial"] == speed.trial)
+            row = next(row for row in group if row["trial"] == speed.at.trial)
         settings: dict[str, Any] = {"trial": str(row["trial"]), "track": str(track), "dt": float(row["dt"])}
         settings["substeps"] = substeps_of(str(row["resolved"]))
         if row["status"] not in _ANSWERED:
@@ -179,13 +177,12 @@ def _accuracy(store: Store, target: float) -> dict[Side, Datum]:
             times, says = error / target, f"an error of {error:.2g} of the scale"
         value = _useful(times, DECADES_OF_ERROR)
         data[case, engine, track] = Datum.of(value, says=says or "every check holds", figure=error, **settings)
-    for row in AGREEMENT.rows(store):
-        if (row["case"], row["engine"], row["track"]) in data:
-            trial = (json.loads(row["trials"])[-1:] or [""])[0]
-            value = _AGREED.get(str(row["verdict"]), 0.0)
-            about = {"trial": str(trial), "track": str(row["track"]), "says": str(row["verdict"])}
-            key = row["case"], row["engine"], row["track"]
-            data[key] = Datum.of(value, figure=data[key].figure, **about)
+    for agreement in agreements(store):
+        for side in agreement.sides:
+            if (key := (agreement.case, side.engine, side.track)) in data:
+                trial = side.limit.rungs[-1].trial if side.limit.rungs else ""
+                about = {"trial": trial, "track": side.track, "says": side.word}
+                data[key] = Datum.of(_AGREED.get(side.word, 0.0), figure=data[key].figure, **about)
     return data
 
 
@@ -256,17 +253,17 @@ def _speed(store: Store, chosen: Mapping[tuple[str, str], Speed], accuracy: Tabl
             says = "no run passes its checks" if judged.figure is not None or judged.value > 0 else judged.says
             data["speed", case, engine] = Datum.of(0.0, says=says, trial=judged.trial, track=judged.track, dt=judged.dt)
             continue
-        value, low, high = (_useful(unit[case] / times, DECADES_OF_SPEED) for times in (speed.times, speed.low, speed.high))
+        value, low, high = (_useful(unit[case] / times, DECADES_OF_SPEED) for times in (speed.times.value, *speed.times.ends))
         data["speed", case, engine] = Datum.of(
             value,
             low,
             high,
-            trial=speed.trial,
+            trial=speed.at.trial,
             says=speed.words,
             track=judged.track,
-            dt=speed.dt,
-            substeps=speed.substeps,
-            figure=speed.times,
+            dt=speed.at.dt,
+            substeps=speed.at.substeps,
+            figure=speed.times.value,
         )
     return data
 
@@ -286,7 +283,7 @@ def _settings(engine: str, accuracy: Mapping[Side, Datum], fast: Mapping[Side, S
         for side in of:
             if side[2] == track:
                 speed = fast.get(side)
-                useful = 0.0 if speed is None else _useful(highest[side[0]] / speed.times, DECADES_OF_SPEED)
+                useful = 0.0 if speed is None else _useful(highest[side[0]] / speed.times.value, DECADES_OF_SPEED)
                 total += cases[side[0]] * (accuracy[side].value + useful)
         return total
 
@@ -296,7 +293,7 @@ def _settings(engine: str, accuracy: Mapping[Side, Datum], fast: Mapping[Side, S
 def _highest(chosen: Mapping[tuple[str, str], Speed]) -> dict[str, float]:
     highest: dict[str, float] = {}
     for (case, _), speed in chosen.items():
-        highest[case] = max(speed.times, highest.get(case, 0.0))
+        highest[case] = max(speed.times.value, highest.get(case, 0.0))
     return highest
 
 

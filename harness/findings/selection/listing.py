@@ -1,8 +1,9 @@
 """An answer as flat rows: its ranking, and the evidence that it leans on, with its runs."""
 
+from collections.abc import Mapping
 from typing import Any
 
-from plumbline.harness.findings.columns import Column, Row, plain
+from plumbline.harness.findings.columns import Column, plain
 from plumbline.harness.findings.parameter_words import step_in_words
 from plumbline.harness.findings.selection.choose import Answer
 from plumbline.harness.findings.selection.wish import CRITERIA
@@ -57,7 +58,7 @@ def ranking(answer: Answer) -> list[dict[str, Any]]:
     return rows
 
 
-def _step(row: Row) -> str:
+def _step(row: Mapping[str, Any]) -> str:
     return "" if row["dt"] is None else step_in_words(row["dt"], row["substeps"])
 
 

@@ -13,7 +13,7 @@ import pandas as pd
 
 from plumbline.harness.findings.columns import known
 from plumbline.harness.findings.once import once
-from plumbline.harness.findings.parameter_words import where_of
+from plumbline.harness.findings.parameter_words import substeps_taken, where_of
 from plumbline.harness.findings.sensor_readings.channel import RAYS, SILENT, Channel, Noise, NoiseCurve, channels, rays_of
 from plumbline.harness.findings.sensor_readings.depth import depth_levels, depth_noise, range_histogram, ranging_noise
 from plumbline.harness.findings.sensor_readings.ideal import (
@@ -60,6 +60,7 @@ class SensorFinding:
     engine: str
     track: str
     dt: float
+    substeps: int
     sensor: str = ""
     type: str = ""
     channel: str = ""
@@ -142,6 +143,7 @@ def _findings(store: Store) -> Iterator[SensorFinding]:
             engine=engine,
             track=track,
             dt=float(row["dt"]),
+            substeps=substeps_taken(store).get(row["trial"], 1),
             status=str(row["status"]),
             reason="" if row["status"] in ("passed", "failed") else str(row["reason"]),
             trial=str(row["trial"]),

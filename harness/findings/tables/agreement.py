@@ -4,38 +4,96 @@ What an engine errs at each step stands beside what that step costs, so that its
 """
 
 import json
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 
-import pandas as pd
-
-from plumbline.harness.findings.agreement.found import agreements, errors_of, scenes_to_judge
+from plumbline.harness.findings.agreement.found import Errors, agreements, errors_of, scenes_to_judge
 from plumbline.harness.findings.agreement.happened import end_words, happened_words, happenings
 from plumbline.harness.findings.agreement.omissions import Omission, omission_words, omissions
 from plumbline.harness.findings.agreement.perturbed_starts import balances, outlooks
 from plumbline.harness.findings.agreement.setting_causes import cause_words, settings_turned
 from plumbline.harness.findings.agreement.values import Agreement, Side
 from plumbline.harness.findings.agreement.words import beyond_words, present_words, scene_words, side_sentence
-from plumbline.harness.findings.columns import Column, Row, Table, known, plain
+from plumbline.harness.findings.columns import Column, Table
+from plumbline.harness.findings.once import all_once
+from plumbline.harness.store.rows import finite
 from plumbline.harness.store.store import Store
 
-COLUMNS = (
-    "case", "where", "engine", "track", "ours", "verdict", "why", "order", "bar", "known_until", "horizon", "camp",
-    "votes", "distance", "since", "agreed", "agreed_until", "agreed_bar", "size", "finding", "summary", "steps",
-    "errors", "offs", "costs", "trials", "left_out", "omission", "omission_turn", "omission_until",
-)  # fmt: skip
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SideVerdict:
+    """One engine on one track of a scene.
+
+    Terms: finding: the verdict in a sentence; said: what is known of the scene, in sentences. errors: of each run from coarse
+    to fine, from the agreed limit, from the engine's own where none is; None without an answer. costs: CPU seconds per
+    simulated second of each run, None where it was not clocked. lost: what leaving out elements that the user dropped does,
+    where the engine was also run with them.
+    """
+
+    agreement: Agreement
+    side: Side
+    finding: str
+    said: tuple[str, ...]
+    errors: tuple[Errors | None, ...]
+    costs: tuple[float | None, ...]
+    lost: Omission | None
+
+    @property
+    def where(self) -> str:
+        """Parameters, as JSON, if not the case's own."""
+        return self.agreement.where
+
+    @property
+    def bar(self) -> float | None:
+        """Of its own limit, a share of the size."""
+        limit = self.side.limit
+        return limit.bar_at(limit.until) if limit.bar is not None and limit.until > 0 else None
+
+    @property
+    def camp(self) -> str:
+        """A letter, several where it is undecided."""
+        return " ".join(self.side.camps)
+
+    @property
+    def agreed_until(self) -> float | None:
+        """Up to there [s] the agreed limit is known."""
+        return self.agreement.until if self.agreement.agreed else None
+
+    @property
+    def left_out(self) -> str:
+        """Kinds of elements that the user dropped and that the engine was also run with."""
+        return "" if self.lost is None else " ".join(self.lost.kinds)
+
+    @property
+    def omission_until(self) -> float | None:
+        """Up to there [s] it is known what leaving them out moves."""
+        return None if self.lost is None or self.lost.position is None else self.lost.until
+
+    @property
+    def runs(self) -> Mapping[str, str]:
+        """What has a value for each run is JSON, as in the table of trials."""
+        rungs = self.side.limit.rungs
+        lists: Mapping[str, Sequence[object]] = {
+            "steps": [rung.dt for rung in rungs],
+            "errors": [each and each.error for each in self.errors],
+            "offs": [each and each.off for each in self.errors],
+            "costs": self.costs,
+            "trials": [rung.trial for rung in rungs],
+            "summary": self.said,
+        }
+        return {name: json.dumps(values) for name, values in lists.items()}
 
 
-def _verdicts(store: Store) -> list[dict[str, Any]]:
-    """One row for each engine and track of each scene without a truth."""
+@all_once
+def side_verdicts(store: Store) -> Iterator[SideVerdict]:
+    """One for each engine and track of each scene without a truth."""
     if store.trials.empty or not scenes_to_judge(store):
-        return []
+        return
     costs = dict(zip(store.trials["trial"], store.trials["cpu_per_sim_s"], strict=True))
-    titles = store.titles
-    table = []
+    errors, titles = errors_of(store), store.titles
     for agreement in agreements(store):
         lost = omissions(store, agreement)
-        summary = [
+        said = (
             *scene_words(agreement, titles),
             *happened_words(happenings(store, agreement), agreement, titles),
             *cause_words(settings_turned(store, agreement), agreement, titles),
@@ -43,108 +101,45 @@ def _verdicts(store: Store) -> list[dict[str, Any]]:
             *end_words(happenings(store, agreement), store, agreement, titles),
             *beyond_words(balances(store, agreement), outlooks(store, agreement), agreement, titles),
             *omission_words(lost, titles),
-        ]
+        )
         by_side = {(omission.engine, omission.track): omission for omission in lost}
-        table += [
-            _row(
-                store,
-                agreement,
-                side,
-                costs,
-                side_sentence(side, agreement, titles),
-                summary,
-                by_side.get((side.engine, side.track)),
-            )
-            for side in agreement.sides
-        ]
-    return table
+        for side in agreement.sides:
+            yield SideVerdict(
+                agreement=agreement, side=side, finding=side_sentence(side, agreement, titles), said=said,
+                errors=tuple(errors.get(rung.trial) for rung in side.limit.rungs),
+                costs=tuple(finite(costs.get(rung.trial)) for rung in side.limit.rungs),
+                lost=by_side.get((side.engine, side.track)),
+            )  # fmt: skip
 
 
-def _row(
-    store: Store,
-    agreement: Agreement,
-    side: Side,
-    costs: Mapping[str, float],
-    finding: str,
-    summary: list[str],
-    lost: Omission | None,
-) -> dict[str, Any]:
-    """One engine on one track.
-
-    Terms:
-        where: parameters, as JSON, if not the case's own. ours: is it the reference engine, which has no vote? verdict: agrees,
-        converges elsewhere, converges (where no limit is agreed), does not converge, diverged, cannot; why: of the last three.
-        order: of convergence, None without one. bar: of its own limit, a share of the size; known_until [s]: up to there.
-        horizon [s]: up to there its last halving moves the answer by no more than a hundredth. camp: a letter, several where it
-        is undecided. votes: does it count for its engine? distance: of its limit from the agreed one, a share of the size;
-        since [s]: from then on beyond the bars. agreed: the camp whose limit is agreed on; agreed_until [s], agreed_bar: how
-        long and how well it is known. size [m]: of the largest whole that moves.
-        finding: the verdict in a sentence; summary: what is known of the scene, in sentences.
-        steps [s], errors, offs, costs, trials: of each run from coarse to fine; error: from the agreed limit, from the
-        engine's own where none is; off: of that limit; cost: CPU seconds per simulated second, None where it was not clocked.
-        left_out: kinds of elements that the user dropped and that the engine was also run with, '' where it was not.
-        omission [m], omission_turn [rad]: how far that moves any body up to omission_until [s]; None where it is not known.
-    """
-    limit, errors = side.limit, errors_of(store)
-    measured = [errors.get(rung.trial) for rung in limit.rungs]
-    clocked = [costs.get(rung.trial) for rung in limit.rungs]
-    return {
-        **known(agreement, "case", "where", "agreed"),
-        **known(side, "engine", "track", "ours", "why", "votes", "distance", "since"),
-        **known(limit.said, "order", "horizon"),
-        "verdict": side.word,
-        "bar": limit.bar_at(limit.until) if limit.bar is not None and limit.until > 0 else None,
-        "known_until": limit.until,
-        "camp": " ".join(side.camps),
-        "agreed_until": agreement.until if agreement.agreed else None,
-        "agreed_bar": agreement.bar,
-        "size": agreement.scale.largest,
-        "finding": finding,
-        "summary": summary,
-        "steps": [rung.dt for rung in limit.rungs],
-        "errors": [None if each is None else each.error for each in measured],
-        "offs": [None if each is None else each.off for each in measured],
-        "costs": [None if each is None or pd.isna(each) else float(each) for each in clocked],
-        "trials": [rung.trial for rung in limit.rungs],
-        "left_out": "" if lost is None else " ".join(lost.kinds),
-        "omission": None if lost is None else lost.position,
-        "omission_turn": None if lost is None else lost.angle,
-        "omission_until": None if lost is None or lost.position is None else lost.until,
-    }
-
-
-def _flat(row: dict[str, Any]) -> dict[str, Any]:
-    """What has a value for each run is JSON, as in the table of trials."""
-    return {name: json.dumps(row[name]) if isinstance(row[name], list) else row[name] for name in COLUMNS}
-
-
-def _sentences(rows: Sequence[Row]) -> list[str]:
+def _sentences(verdicts: Sequence[SideVerdict]) -> list[str]:
     """What is known of each scene, then the verdict on each engine and track."""
-    lines: list[str] = []
-    for row in rows:
-        lines += [sentence for sentence in json.loads(row["summary"]) if sentence not in lines]
-    return lines + [row["finding"] for row in rows]
+    return [*dict.fromkeys(line for each in verdicts for line in each.said), *(each.finding for each in verdicts)]
 
 
-def _costs(row: Row) -> str:
-    return " ".join("-" if cost is None else f"{cost:.2g}" for cost in json.loads(row["costs"]))
+def _verdict(each: SideVerdict) -> str:
+    return f"cannot ({each.side.why[:60]})" if each.side.word == "cannot" else each.side.word
 
 
 TABLE = Table(
-    columns=COLUMNS,
-    objects=_verdicts,
-    row=_flat,
+    holds="case=agreement.case where engine=side.engine track=side.track ours=side.ours verdict=side.word why=side.why "
+    "order=side.limit.said.order bar known_until=side.limit.until horizon=side.limit.said.horizon camp votes=side.votes "
+    "distance=side.distance since=side.since agreed=agreement.agreed agreed_until agreed_bar=agreement.bar "
+    "size=agreement.scale.largest finding summary=runs.summary steps=runs.steps errors=runs.errors offs=runs.offs "
+    "costs=runs.costs trials=runs.trials left_out omission=lost.position omission_turn=lost.angle omission_until",
+    objects=side_verdicts,
     shown=(
-        Column("scene", lambda row: row["case"].rsplit("/", 1)[-1]),
-        *plain("engine", "track"),
-        Column("verdict", lambda row: f"cannot ({row['why'][:60]})" if row["verdict"] == "cannot" else row["verdict"]),
-        Column("order", "order", ".2f"),
+        Column("scene", lambda each: each.agreement.case.rsplit("/", 1)[-1]),
+        Column("engine", "side.engine"),
+        Column("track", "side.track"),
+        Column("verdict", _verdict),
+        Column("order", "side.limit.said.order", ".2f"),
         Column("known to", "bar", ".2g"),
-        Column("until", lambda row: f"{row['known_until']:.3g} s" if row["known_until"] else ""),
-        Column("horizon", "horizon", ".3g", " s"),
+        Column("until", lambda each: f"{each.side.limit.until:.3g} s" if each.side.limit.until else ""),
+        Column("horizon", "side.limit.said.horizon", ".3g", " s"),
         Column("camp", "camp"),
-        Column("away", "distance", ".2g"),
-        Column("cost, coarse to fine", _costs),
+        Column("away", "side.distance", ".2g"),
+        Column("cost, coarse to fine", lambda each: " ".join("-" if c is None else f"{c:.2g}" for c in each.costs)),
     ),
     sentences=_sentences,
 )

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from plumbline.harness.findings.columns import Column, Row, Table, names, outcome, side
+from plumbline.harness.findings.columns import Column, Table, names, outcome, side
 from plumbline.harness.findings.once import all_once
 from plumbline.harness.store.journal import NotKept
 from plumbline.harness.store.store import Store
@@ -178,27 +178,27 @@ _WAYS = {
 """What a repetition is called in a sentence; of another number of threads by that."""
 
 
-def sentences(rows: Sequence[Row], titles: Mapping[str, str] | None = None) -> list[str]:
+def sentences(rows: Sequence[Repetition], titles: Mapping[str, str] | None = None) -> list[str]:
     """Engine by engine, how many repetitions gave the same bits, way by way. Args: titles: what engines are called, by name."""
     lines = []
-    for engine in dict.fromkeys(row["engine"] for row in rows):
+    for engine in dict.fromkeys(row.engine for row in rows):
         title = (titles or {}).get(engine, engine)
-        mine = [row for row in rows if row["engine"] == engine and row["way"] != "nudged"]
-        plain, varied = ([row for row in mine if bool(row["variables"]) == of_libraries] for of_libraries in (False, True))
-        tried = {row["way"]: None for row in plain}
+        mine = [row for row in rows if row.engine == engine and row.way != "nudged"]
+        plain, varied = ([row for row in mine if bool(row.variables) == of_libraries] for of_libraries in (False, True))
+        tried = {row.way: None for row in plain}
         ways = (*(way for way in _WAYS if way in tried), *sorted(tried.keys() - _WAYS.keys()))
         if ways:
             words = ", ".join(_how_often(plain, way, _WAYS.get(way, f"on {way}")) for way in ways)
             lines.append(f"{title} gives the same bits {words}.")
         if varied:
-            words = ", ".join(_how_often(varied, way, way) for way in sorted({row["way"] for row in varied}))
+            words = ", ".join(_how_often(varied, way, way) for way in sorted({row.way for row in varied}))
             lines.append(f"{title} and its adapter keep their bits with {words}.")
     return lines
 
 
-def _how_often(rows: Sequence[Row], way: str, called: str) -> str:
+def _how_often(rows: Sequence[Repetition], way: str, called: str) -> str:
     """'run again in 25 of 26'; of a way that has no answer, what became of it."""
-    verdicts = [row["verdict"] for row in rows if row["way"] == way]
+    verdicts = [row.verdict for row in rows if row.way == way]
     same, differing = (verdicts.count(verdict) for verdict in ("bit-identical", "differs"))
     if same + differing:
         return f"{called} in {same} of {same + differing}"
@@ -206,16 +206,14 @@ def _how_often(rows: Sequence[Row], way: str, called: str) -> str:
 
 
 TABLE = Table(
-    columns=names(Repetition),
+    holds=names(Repetition),
     objects=repetitions,
     shown=(
         Column("case", "case"),
         Column("engine", side),
         Column("way", "way"),
         Column("verdict", lambda row: outcome(row, 50)),
-        Column(
-            "first step that differs", lambda row: "" if row["first_step"] is None else f"{row['first_step']} of {row['steps']}"
-        ),
+        Column("first step that differs", lambda row: "" if row.first_step is None else f"{row.first_step} of {row.steps}"),
         Column("farthest", "farthest", ".2g", " m"),
         Column("doubles in", "doubles_in", ".3g", " s"),
     ),

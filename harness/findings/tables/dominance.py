@@ -13,7 +13,7 @@ from typing import Any
 
 import pandas as pd
 
-from plumbline.harness.findings.columns import Column, Row, Table, names, scene
+from plumbline.harness.findings.columns import Column, Table, at, bracketed, names, scene
 from plumbline.harness.findings.cost_point import BlockSample, SampledBlock, ratio_in_blocks, samples_by_block
 from plumbline.harness.findings.once import once
 from plumbline.harness.findings.parameter_words import in_words, other_values, where_of
@@ -69,6 +69,8 @@ class TriedChange:
 
 
 Sampled = Mapping[str, Mapping[SampledBlock, BlockSample]]
+Facts = Mapping[str, Any]
+"""What the table of trials holds of one."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,7 +90,7 @@ def changes(store: Store) -> tuple[TriedChange, ...]:
     asked = {experiment.name: experiment for experiment in experiments_of(store) if experiment.dominance}
     samples = samples_by_block(store) if asked else {}
 
-    def scene_of(row: Row) -> str:
+    def scene_of(row: Facts) -> str:
         kept = kept_parameters(asked[row["experiment"]], json.loads(row["parameters"]))
         return repr((row["experiment"], row["case"], kept, row["dt"], row["engine"]))
 
@@ -98,7 +100,7 @@ def changes(store: Store) -> tuple[TriedChange, ...]:
     return tuple(sorted(found, key=lambda change: order.get(change.verdict, 2)))
 
 
-def _of_scene(store: Store, scene: Sequence[Row], samples: Sampled) -> list[TriedChange]:
+def _of_scene(store: Store, scene: Sequence[Facts], samples: Sampled) -> list[TriedChange]:
     """The rows of one scene on one engine."""
     track = next((row for row in scene if row["track"] == "tuned" and row["round"] == 0), None)
     if track is None:
@@ -139,7 +141,7 @@ def _of_scene(store: Store, scene: Sequence[Row], samples: Sampled) -> list[Trie
     return [*_folded([*single, *idle]), *stale]
 
 
-def _beside(store: Store, question: Question, track: Row | None, row: Row, samples: Sampled) -> _Beside:
+def _beside(store: Store, question: Question, track: Facts | None, row: Facts, samples: Sampled) -> _Beside:
     if track is None:
         return _Beside(None, "", None, math.nan)
     sides = [run_of(question, str(one["status"]), store.measured.get(one["trial"], ())) for one in (track, row)]
@@ -155,7 +157,7 @@ def _beside(store: Store, question: Question, track: Row | None, row: Row, sampl
     return _Beside(both, by, cost, _rough(track, row))
 
 
-def _rough(track: Row, row: Row) -> float:
+def _rough(track: Facts, row: Facts) -> float:
     """What a change costs over the track, roughly; nan if nothing is known."""
     values = (row["rough_ratio"], row["rough_cost"], track["rough_cost"])
     ratio, *costs = (math.nan if pd.isna(value) else float(value) for value in values)
@@ -163,13 +165,13 @@ def _rough(track: Row, row: Row) -> float:
 
 
 def _judged(
-    row: Row,
+    row: Facts,
     blank: TriedChange,
     turn: KnobTurn | None,
     beside: Mapping[str, _Beside],
-    scene: Sequence[Row],
+    scene: Sequence[Facts],
     given: Mapping[str, Any],
-    track: Row,
+    track: Facts,
     trade_offs: Sequence[Mapping[str, Any]],
 ) -> TriedChange:
     """A change that was run at the scene's own parameters."""
@@ -201,13 +203,13 @@ def _judged(
     )
 
 
-def _unanswered(row: Row, track: Row) -> str:
+def _unanswered(row: Facts, track: Facts) -> str:
     if row["status"] == "timeout" and track["status"] == "passed":
         return DEARER
     return REFUSED if row["status"] in ANSWERED else str(row["status"])
 
 
-def _told(row: Row, there: _Beside, given: Mapping[str, Any]) -> str:
+def _told(row: Facts, there: _Beside, given: Mapping[str, Any]) -> str:
     """A drawn scene in words: 'speed 1.0 wins by price'."""
     fared = str(row["status"]) if there.compared is None else f"wins by {there.by}" if there.by else "does not win"
     return f"{in_words(other_values(json.loads(row['parameters']), given))} {fared}"
@@ -232,80 +234,80 @@ def _folded(single: Sequence[TriedChange]) -> Iterator[TriedChange]:
 
 def unexcused(store: Store) -> list[str]:
     """The changes that beat a track without a reason of its adapter's, each in a sentence."""
-    return [_sentence(TABLE.flat(change)) for change in changes(store) if change.verdict == DOMINATED]
+    return [_sentence(change) for change in changes(store) if change.verdict == DOMINATED]
 
 
-def _sentence(row: Row) -> str:
+def _sentence(row: TriedChange) -> str:
     better = {
-        "checks": f"keeps {row['held_change']} of {row['checks']} checks, where tuned keeps {row['held_tuned']}",
-        "price": f"costs {row['cost']:.2g} times as much at an error no larger",
-        "error": f"errs {row['error_ratio']:.2g} times as much",
-    }[row["by"]]
-    drawn = f"; so it is at {row['won']} of {row['drawn']} drawn parameters" if row["drawn"] else ""
-    return f"{scene(row)}: {row['engine']}/tuned with {row['change']} {better}{drawn}"
+        "checks": f"keeps {row.held_change} of {row.checks} checks, where tuned keeps {row.held_tuned}",
+        "price": f"costs {at(row, 'cost.value'):.2g} times as much at an error no larger",
+        "error": f"errs {row.error_ratio:.2g} times as much",
+    }[row.by]
+    drawn = f"; so it is at {row.won} of {row.drawn} drawn parameters" if row.drawn else ""
+    return f"{scene(row)}: {row.engine}/tuned with {row.change} {better}{drawn}"
 
 
-def _cost(row: Row) -> str:
-    cost = "" if row["cost"] is None or math.isnan(row["cost"]) else f"x {row['cost']:.2g}"
-    return cost + ("" if row["low"] is None else f" ({row['low']:.2g}..{row['high']:.2g})")
+def _cost(row: TriedChange) -> str:
+    if row.cost is None or math.isnan(row.cost.value):
+        return ""
+    return f"x {row.cost.value:.2g}" + ("" if row.cost.low is None else f" ({bracketed(row.cost, '.2g', '..')})")
 
 
-def _error(row: Row) -> str:
-    error = row["error_ratio"]
+def _error(row: TriedChange) -> str:
+    error = row.error_ratio
     return "" if error is None or math.isnan(error) else f"x {error:.3g}"
 
 
-def _changed(row: Row) -> str:
-    named = row["change"] if len(row["change"]) <= 60 else f"{row['change'][:57]}..."
-    return named if row["count"] <= 1 else f"{row['count']}: {named}"
+def _changed(row: TriedChange) -> str:
+    named = row.change if len(row.change) <= 60 else f"{row.change[:57]}..."
+    return named if row.count <= 1 else f"{row.count}: {named}"
 
 
-def _held(row: Row) -> str:
-    return "" if row["held_change"] is None else f"{row['held_tuned']} -> {row['held_change']} of {row['checks']}"
+def _held(row: TriedChange) -> str:
+    return "" if row.held_change is None else f"{row.held_tuned} -> {row.held_change} of {row.checks}"
 
 
-def _verdict(row: Row) -> str:
-    verdict = f"{row['verdict']} by {row['by']}" if row["by"] else row["verdict"]
-    return f"{verdict}: {row['reason'][:70]}" if row["reason"] else str(verdict)
+def _verdict(row: TriedChange) -> str:
+    verdict = f"{row.verdict} by {row.by}" if row.by else row.verdict
+    return f"{verdict}: {row.reason[:70]}" if row.reason else str(verdict)
 
 
-def _count(rows: Sequence[Row], verdict: str) -> int:
-    return sum(row["count"] for row in rows if row["verdict"] == verdict)
+def _count(rows: Sequence[TriedChange], verdict: str) -> int:
+    return sum(row.count for row in rows if row.verdict == verdict)
 
 
-def _sentences(rows: Sequence[Row]) -> list[str]:
+def _sentences(rows: Sequence[TriedChange]) -> list[str]:
     """How many changes were tried of each engine, and those that beat its track without a reason."""
     lines = []
-    for engine in dict.fromkeys(row["engine"] for row in rows):
-        mine = [row for row in rows if row["engine"] == engine]
-        scenes = len({(row["case"], row["where"]) for row in mine})
+    for engine in dict.fromkeys(row.engine for row in rows):
+        mine = [row for row in rows if row.engine == engine]
+        scenes = len({(row.case, row.where) for row in mine})
         beaten, excused, idle = (_count(mine, verdict) for verdict in (DOMINATED, EXCUSED, IDLE))
-        tried = sum(row["count"] for row in mine) - idle
-        named = f"{engine} (ours)" if mine[0]["ours"] else engine
+        tried = sum(row.count for row in mine) - idle
+        named = f"{engine} (ours)" if mine[0].ours else engine
         lines.append(
             f"{named}: {tried} changes tried in {scenes} scenes, {idle} that change nothing left out; {beaten} beat "
             f"tuned without a reason, {excused} with one."
         )
-    lines += [f"{_sentence(row)}." for row in rows if row["verdict"] == DOMINATED]
+    lines += [f"{_sentence(row)}." for row in rows if row.verdict == DOMINATED]
     return lines + [
-        f"{row['case']}: {row['engine']} gives a reason for {row['change']}, which is not better here."
+        f"{row.case}: {row.engine} gives a reason for {row.change}, which is not better here."
         for row in rows
-        if row["verdict"] == STALE
+        if row.verdict == STALE
     ]
 
 
 TABLE = Table(
-    columns=names(TriedChange, "cost"),
+    holds=names(TriedChange).replace("cost..", "cost(low,high)"),
     objects=changes,
-    bare="cost",
     shown=(
         Column("scene", scene),
-        Column("engine", lambda row: row["engine"] + (" (ours)" if row["ours"] else "")),
+        Column("engine", lambda row: row.engine + (" (ours)" if row.ours else "")),
         Column("change of tuned", _changed),
         Column("checks", _held),
         Column("error", _error),
         Column("cost", _cost),
-        Column("drawn", lambda row: f"{row['won']} of {row['drawn']}" if row["drawn"] else ""),
+        Column("drawn", lambda row: f"{row.won} of {row.drawn}" if row.drawn else ""),
         Column("verdict", _verdict),
     ),
     sentences=_sentences,

@@ -7,18 +7,19 @@ farthest is from its place. A line through it says whether it only swings or has
 import math
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from plumbline.harness.findings.columns import Column, Row, Table, side
-from plumbline.harness.findings.parameter_words import columns_with_substeps, with_substeps
+from plumbline.harness.findings.columns import Column, Table
+from plumbline.harness.findings.parameter_words import substeps_taken
 from plumbline.harness.metric import NotMeasurable
 from plumbline.harness.metrics.conservation import energy_change
 from plumbline.harness.scene.file import parse
-from plumbline.harness.statistics.order import fit_slope
+from plumbline.harness.statistics.order import Slope, fit_slope
 from plumbline.harness.store.journal import NotKept
-from plumbline.harness.store.rows import records
+from plumbline.harness.store.rows import grouped, records
 from plumbline.harness.store.store import Store
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.trajectory.kinematics import movable
@@ -30,57 +31,51 @@ EXACT = 1e-9
 """Changes over a whole run, in the quantity's unit, below which nothing has happened: rounding, added up."""
 
 
-_OF_RUN = ("case", "engine", "track", "dt", "steps")
-_OF_FIT = ("quantity", "unit", "slope", "low", "high", "swing", "change", "verdict")
-_OUTCOME = ("status", "reason", "trial")
-
-
-def _rows(store: Store) -> list[dict[str, Any]]:
-    """One for each long run.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Drift:
+    """One long run.
 
     Terms:
-        quantity: 'energy', as a share of that in play, or 'place' [m]. slope, low, high: per second, with the 95 % interval.
-        swing: of the series about that line. change: over the whole run. verdict: 'bounded', 'gains', 'loses' (a secular
-        trend), 'still' (no change at all), or the status of a run without an answer.
+        run: its row of the table of trials. substeps: of its step. quantity: 'energy', as a share of that in play, or 'place'
+        [m]; '' where it was not read. fit: of the quantity [per second]. change: over the whole run. verdict: 'bounded',
+        'gains', 'loses' (a secular trend), 'still' (no change at all), or the status of a run without an answer.
     """
+
+    run: Mapping[str, Any]
+    substeps: int
+    verdict: str
+    quantity: str = ""
+    fit: Slope | None = None
+    change: float | None = None
+
+    @property
+    def unit(self) -> str:
+        """Of the quantity."""
+        return UNITS.get(self.quantity, "")
+
+
+def _drifts(store: Store) -> list[Drift]:
     plain = store.asked
     duration = {name: float(store.described("cases", name)["duration"]) for name in plain["case"].unique()}
-    long = [row for row in records(plain) if duration[row["case"]] / row["dt"] >= LONG]
-    return with_substeps(
-        store,
-        (
-            {name: row[name] for name in _OF_RUN}
-            | dict.fromkeys(_OF_FIT)
-            | {"quantity": "", "unit": ""}
-            | _trend(store, row)
-            | {name: row[name] for name in _OUTCOME}
-            for row in long
-        ),
-    )
+    return [_drift(store, row) for row in records(plain) if duration[row["case"]] / row["dt"] >= LONG]
 
 
-def _trend(store: Store, row: Mapping[str, Any]) -> dict[str, Any]:
-    """What became of a run's quantity: the columns of `_OF_FIT` that are known."""
+def _drift(store: Store, row: Mapping[str, Any]) -> Drift:
+    """What became of a run's quantity."""
+    drift = Drift(run=row, substeps=substeps_taken(store).get(row["trial"], 1), verdict=row["status"])
     if row["status"] not in ("passed", "failed"):
-        return {"verdict": row["status"]}
+        return drift
     rests = store.described("cases", row["case"])["truth"] == "rest"
     try:
         quantity, time, series = _series(store.trajectory(row["trajectory_hash"]), rests)
     except NotKept:
-        return {"verdict": "not kept"}
-    measured = {"quantity": quantity, "unit": UNITS[quantity]}
+        return replace(drift, verdict="not kept")
     fit = fit_slope(time.tolist(), series.tolist()) if np.isfinite(series).all() else None
     if fit is None:
-        return measured | {"verdict": "too short"}
+        return replace(drift, quantity=quantity, verdict="too short")
     trend = ("gains" if fit.slope > 0 else "loses") if fit.secular else "bounded"
-    return measured | {
-        "slope": fit.slope,
-        "low": fit.low,
-        "high": fit.high,
-        "swing": fit.swing,
-        "change": fit.slope * float(time[-1] - time[0]),
-        "verdict": "still" if float(np.ptp(series)) < EXACT else trend,
-    }
+    verdict = "still" if float(np.ptp(series)) < EXACT else trend
+    return replace(drift, quantity=quantity, fit=fit, change=fit.slope * float(time[-1] - time[0]), verdict=verdict)
 
 
 def _series(kept: Mapping[str, Any], rests: bool) -> tuple[str, Floats, Floats]:
@@ -101,42 +96,38 @@ def _series(kept: Mapping[str, Any], rests: bool) -> tuple[str, Floats, Floats]:
     return "place", run.time[first:], away[first:]
 
 
-def _fitted(row: Row, text: str) -> str:
-    """A cell about the fit; empty without one."""
-    return "" if row["slope"] is None else text.format(**row)
+def _verdict(drift: Drift) -> str:
+    status = drift.run["status"]
+    return drift.verdict + (f", {status}" if drift.fit is not None and status != "passed" else "")
 
 
-def _verdict(row: Row) -> str:
-    return str(row["verdict"]) + (f", {row['status']}" if row["slope"] is not None and row["status"] != "passed" else "")
-
-
-def _sentences(rows: Sequence[Row]) -> list[str]:
+def _sentences(drifts: Sequence[Drift]) -> list[str]:
     """Who stays, and who runs away, case by case."""
     lines = []
-    for case in dict.fromkeys(row["case"] for row in rows):
-        mine = [row for row in rows if row["case"] == case and row["slope"] is not None]
-        for verdict in ("gains", "loses"):
-            bad = [row for row in mine if row["verdict"] == verdict and math.isfinite(row["change"])]
+    for case, mine in grouped(drifts, lambda drift: str(drift.run["case"])).items():
+        for verdict, goes in (("gains", "grows"), ("loses", "falls")):
+            bad = [d for d in mine if d.verdict == verdict and d.change is not None and math.isfinite(d.change)]
             if bad:
-                listed = ", ".join(f"{row['engine']} ({row['track']}) by {abs(row['change']):.2g}" for row in bad)
-                lines.append(
-                    f"{case}: {bad[0]['quantity']} {'grows' if verdict == 'gains' else 'falls'} over the run: {listed}."
-                )
+                listed = ", ".join(f"{d.run['engine']} ({d.run['track']}) by {abs(d.change or 0.0):.2g}" for d in bad)
+                lines.append(f"{case}: {bad[0].quantity} {goes} over the run: {listed}.")
     return lines
 
 
 TABLE = Table(
-    columns=columns_with_substeps([*_OF_RUN, *_OF_FIT, *_OUTCOME]),
-    objects=_rows,
-    row=dict,
+    holds="case=run.case engine=run.engine track=run.track dt=run.dt substeps steps=run.steps quantity unit slope=fit.slope "
+    "low=fit.low high=fit.high swing=fit.swing change verdict status=run.status reason=run.reason trial=run.trial",
+    objects=_drifts,
     shown=(
-        Column("case", "case"),
-        Column("engine", side),
-        Column("steps", "steps"),
-        Column("quantity", lambda row: f"{row['quantity']}{'' if row['unit'] in ('', '1') else ' [' + row['unit'] + ']'}"),
-        Column("per second", lambda row: _fitted(row, "{slope:.2g} ({low:.2g}..{high:.2g})")),
-        Column("over the run", lambda row: _fitted(row, "{change:.2g}")),
-        Column("swings by", lambda row: _fitted(row, "{swing:.2g}")),
+        Column("case", "run.case"),
+        Column("engine", lambda drift: f"{drift.run['engine']}/{drift.run['track']}"),
+        Column("steps", "run.steps"),
+        Column("quantity", lambda drift: drift.quantity + ("" if drift.unit in ("", "1") else f" [{drift.unit}]")),
+        Column(
+            "per second",
+            lambda drift: f"{fit.slope:.2g} ({fit.low:.2g}..{fit.high:.2g})" if (fit := drift.fit) is not None else "",
+        ),
+        Column("over the run", "change", ".2g"),
+        Column("swings by", "fit.swing", ".2g"),
         Column("verdict", _verdict),
     ),
     sentences=_sentences,

@@ -8,7 +8,7 @@ from typing import Any
 import pandas as pd
 
 from plumbline.harness.case.alteration import EVERYTHING, REFINED
-from plumbline.harness.findings.columns import Cell, Column, Row, Table, known, names, outcome, side
+from plumbline.harness.findings.columns import Cell, Column, Table, bracketed, known, names, outcome, side
 from plumbline.harness.findings.cost_point import BlockSample, SampledBlock, ratio_in_blocks, samples_by_block
 from plumbline.harness.findings.effects_audit import (
     AS_IT_IS,
@@ -203,7 +203,7 @@ def _price(cost: Any, base: Any, samples: Sampled) -> Interval | None:
     return ratio_in_blocks(samples.get(cost.trial, {}), samples.get(base.trial, {}))
 
 
-def sentences(rows: Sequence[Row], *, accusing: bool = True, titles: Mapping[str, str] | None = None) -> list[str]:
+def sentences(rows: Sequence[EffectVerdict], *, accusing: bool = True, titles: Mapping[str, str] | None = None) -> list[str]:
     """What leaving effects out saves, engine by engine, and what the audit says.
 
     Args: accusing: of each scene that fails it too. titles: what engines and cases are called, by name.
@@ -229,17 +229,18 @@ def sentences(rows: Sequence[Row], *, accusing: bool = True, titles: Mapping[str
 
 
 TABLE = Table(
-    columns=tuple(name for name in names(EffectVerdict, "cost") if name != "effects"),  # the cell `effect` holds their names
+    # the cell `effect` holds the names of `effects`
+    holds=names(EffectVerdict, "effects").replace("cost..", "cost(low,high)"),
+    beside="effects",
     objects=verdicts,
-    bare="cost",
     shown=(
         Column("case", named_scene),
         Column("engine", side),
         Column("effect", "effect"),
-        Column("cost", lambda row: "" if row["cost"] is None else "x {cost:.3g} ({low:.3g}..{high:.3g})".format(**row)),
+        Column("cost", lambda row: "" if row.cost is None else f"x {row.cost.value:.3g} ({bracketed(row.cost, '.3g', '..')})"),
         Column("moves", "moved", ".2g"),
         Column("own error", "own", ".2g"),
-        Column("verdict", lambda row: row["verdict"] if row["verdict"] == "insisted on" else outcome(row, 70)),
+        Column("verdict", lambda row: row.verdict if row.verdict == "insisted on" else outcome(row, 70)),
     ),
     sentences=sentences,
 )

@@ -2,12 +2,12 @@
 
 from collections.abc import Sequence
 
-from plumbline.harness.findings.columns import Column, Row, Table, milli, names, plain, scene
+from plumbline.harness.findings.columns import Column, Table, at, milli, scene
 from plumbline.harness.findings.limits_found import amount, searches
 from plumbline.harness.findings.standing import Reach, reaches
 
 
-def _sentences(rows: Sequence[Row]) -> list[str]:
+def _sentences(rows: Sequence[Reach]) -> list[str]:
     """What is equal, and how axes are told apart."""
     if not rows:
         return []
@@ -21,18 +21,21 @@ def _sentences(rows: Sequence[Row]) -> list[str]:
 
 
 TABLE = Table(
-    columns=names(Reach),
+    holds="experiment=search.experiment case=search.case where=search.where axis=search.axis unit=search.unit "
+    "engine=search.engine at condition parts held=hold.value reach further setting=search.setting substep=search.substep "
+    "cost=hold.cost leads leads_without",
     objects=lambda store: reaches(searches(store)),
     shown=(
-        Column("case", scene),
-        *plain("engine", "at"),
-        Column("condition", lambda row: f"{1e3 * row['condition']:.3g} ms" + ("" if row["parts"] else " a step")),
-        Column("axis", "axis"),
-        Column("held", lambda row: amount(row["held"], "none")),
-        Column("setting", "setting"),
-        Column("ms a step", lambda row: milli(row["cost"]), ".3g"),
-        Column("leads", lambda row: "leads" if row["leads"] else ""),
-        Column("without ours", lambda row: "leads" if row["leads_without"] else ""),
+        Column("case", lambda row: scene(row.search)),
+        Column("engine", "search.engine"),
+        Column("at", "at"),
+        Column("condition", lambda row: f"{1e3 * row.condition:.3g} ms" + ("" if row.parts else " a step")),
+        Column("axis", "search.axis"),
+        Column("held", lambda row: amount(at(row, "hold.value"), "none")),
+        Column("setting", "search.setting"),
+        Column("ms a step", lambda row: milli(at(row, "hold.cost")), ".3g"),
+        Column("leads", lambda row: "leads" if row.leads else ""),
+        Column("without ours", lambda row: "leads" if row.leads_without else ""),
     ),
     sentences=_sentences,
 )

@@ -7,7 +7,7 @@ contacts begin or end within a step, the first order is left of any promise.
 import json
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import lru_cache
 from operator import itemgetter
 from statistics import median
@@ -15,9 +15,10 @@ from typing import Any, Literal
 
 import pandas as pd
 
-from plumbline.harness.findings.columns import Cell, Column, Table, plain
+from plumbline.harness.findings.columns import Cell, Column, Table, bracketed, plain
 from plumbline.harness.findings.once import all_once
 from plumbline.harness.findings.parameter_words import in_words, integrator_called, other_values
+from plumbline.harness.statistics.interval import Interval
 from plumbline.harness.statistics.order import Order, falls_short, fit_order
 from plumbline.harness.store.rows import grouped
 from plumbline.harness.store.store import Store
@@ -51,15 +52,10 @@ class ObservedOrder(Cell):
     verdict: OrderVerdict
     finding: str
 
-    def flat(self) -> dict[str, Any]:
-        """As a row, with the order, its interval and its floor as columns: None without a fit."""
-        row = {name: value for name, value in asdict(self).items() if name != "fit"}
-        fit = dict.fromkeys(_OF_FIT) | {"used": 0} if self.fit is None else asdict(self.fit)
-        return {name: row[name] if name in row else fit[name] for name in COLUMNS}
-
-
-_OF_FIT = ("order", "low", "high", "used", "floor", "coarse", "fine")
-COLUMNS = ("case", "where", "engine", "track", "metric", "integrator", *_OF_FIT, "promised", "verdict", "finding")
+    @property
+    def used(self) -> int:
+        """Steps that the fit goes through."""
+        return 0 if self.fit is None else self.fit.used
 
 
 @all_once
@@ -188,16 +184,16 @@ def _sentence(title: str, fit: Order, promised: int, finest: float) -> str:
 
 
 TABLE = Table(
-    columns=COLUMNS,
+    holds="case where engine track metric integrator order=fit.order low=fit.low high=fit.high used floor=fit.floor "
+    "coarse=fit.coarse fine=fit.fine promised verdict finding",
     objects=convergences,
-    row=ObservedOrder.flat,
     shown=(
         *plain("case", "engine", "track", "integrator"),
         Column("promised", "promised", "d"),
-        Column("order", "order", ".2f"),
-        Column("interval", lambda row: "" if row["low"] is None else f"{row['low']:.2f} .. {row['high']:.2f}"),
-        Column("floor", "floor", ".2g"),
+        Column("order", "fit.order", ".2f"),
+        Column("interval", lambda row: bracketed(row.fit and Interval(row.fit.order, row.fit.low, row.fit.high), ".2f")),
+        Column("floor", "fit.floor", ".2g"),
         Column("verdict", "verdict"),
     ),
-    sentences=lambda rows: [str(row["finding"]) for row in rows if row["finding"]],
+    sentences=lambda rows: [row.finding for row in rows if row.finding],
 )

@@ -1,47 +1,42 @@
 """The price list: what an error of a case costs on each engine; worked out in `harness.findings.prices`."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
-from plumbline.harness.findings.columns import Column, Row, Table, Titled, Titles, milli, names, scene, span
+from plumbline.harness.findings.columns import Column, Table, Titled, Titles, at, bracketed, milli, scene, span
 from plumbline.harness.findings.emulations import share_in_words
 from plumbline.harness.findings.parameter_words import step_in_words
-from plumbline.harness.findings.prices import Price, priced
+from plumbline.harness.findings.prices import Beyond, Price, Reached, Silent, priced
 from plumbline.harness.findings.standing import cheapest, counted, standing
 
 
-def _cost(row: Row) -> str:
-    if row["cost"] is not None:
-        return f"{row['cost']:.3g}"
-    if row["reason"]:
-        return f"{row['verdict']}: {row['reason']}"
-    best = ""
-    if row["best_error"] is not None:
-        best = f", best {row['best_error']:.2g} down to {step_in_words(row['finest_dt'], row['finest_substeps'])}"
-    if row["foreseen_dt"] is not None:
-        best += f", trend {1e3 * row['foreseen_dt']:.2g} ms"
-    return f"{row['verdict']}{best}"
+def _cost(price: Price) -> str:
+    match price.outcome:
+        case Reached(cost=cost):
+            return f"{cost.value:.3g}"
+        case Silent(verdict=verdict, reason=reason):
+            return f"{verdict}: {reason}"
+        case Beyond(at=best, trend=trend):
+            down = "" if price.finest is None else step_in_words(price.finest.dt, price.finest.substeps)
+            ahead = "" if trend is None else f", trend {1e3 * trend.dt:.2g} ms"
+            return f"{price.verdict}, best {best.error:.2g} down to {down}{ahead}"
 
 
-def _interval(row: Row, value: str, low: str, high: str) -> str:
-    return "" if row[value] is None else f"{row[low]:.3g} .. {row[high]:.3g}"
-
-
-def _marks(row: Row) -> str:
+def _marks(price: Price) -> str:
     """* cheapest to deploy, ~ an unstable timing, <= the cheapest point errs less already."""
-    if row["cost"] is None:
+    if price.reached is None:
         return ""
-    marks = ("*" if row["cheapest"] else "") + ("~" if row["unstable"] else "")
-    marks += {"at most": "<=", "within the truth's error": "truth"}.get(row["verdict"], "")
-    return " ".join(filter(None, (marks, share_in_words(row["emulated"]))))
+    marks = ("*" if price.cheapest else "") + ("~" if price.unstable else "")
+    marks += {"at most": "<=", "within the truth's error": "truth"}.get(price.verdict, "")
+    return " ".join(filter(None, (marks, share_in_words(price.reached.at.emulated))))
 
 
-def _tried(row: Row) -> str:
-    return f"{row['tried']}" + (" (all there are)" if row["ended"] == "nothing left to try" else "")
+def _tried(price: Price) -> str:
+    return f"{price.tried}" + (" (all there are)" if price.ended == "nothing left to try" else "")
 
 
-def _sentences(rows: Sequence[Row]) -> list[str]:
+def _sentences(prices: Sequence[Price]) -> list[str]:
     """Who is cheapest how often."""
-    pairs = cheapest([Price(**row) for row in rows])
+    pairs = cheapest(prices)
     if not pairs:
         return []
     counts = counted(standing(pairs))
@@ -51,22 +46,30 @@ def _sentences(rows: Sequence[Row]) -> list[str]:
     return [f"Of {len(pairs)} pairs of case and error that an engine to deploy reaches, cheapest: {alone}{open_}."]
 
 
+def _of_reached(value: Callable[[Reached], object]) -> Callable[[Price], object]:
+    return lambda price: None if price.reached is None else value(price.reached)
+
+
 _WORDS = {"at most": "upper bound", "not within the ladder": "not reached"}
 """What verdicts are called in a paper."""
 
 TABLE = Table(
-    columns=names(Price),
+    holds="case where target engine verdict unit cost(low,high)=reached.cost ratio..=reached.ratio cheapest "
+    "best_error=best.error finest_dt=finest.dt finest_substeps=finest.substeps foreseen_dt=outcome.trend.dt "
+    "foreseen_order=outcome.trend.order foreseen_track?=outcome.trend.track track?=outcome.at.track dt=outcome.at.dt "
+    "substeps=outcome.at.substeps trial?=outcome.at.trial unstable emulated=reached.at.emulated reason?=outcome.reason tried "
+    "ended",
     objects=lambda store: priced(store).prices,
     shown=(
         Column("case", scene),
         Column("error", "target", ".0e"),
         Column("engine", "engine"),
         Column("CPU s", _cost),
-        Column("95 %", lambda row: _interval(row, "cost", "low", "high")),
-        Column("x cheapest", "ratio", ".3g"),
-        Column("95 %", lambda row: _interval(row, "ratio", "ratio_low", "ratio_high")),
-        Column("setting", "track"),
-        Column("step", lambda row: "" if row["cost"] is None else step_in_words(row["dt"], row["substeps"])),
+        Column("95 %", lambda price: bracketed(at(price, "reached.cost"), ".3g")),
+        Column("x cheapest", "reached.ratio.value", ".3g"),
+        Column("95 %", lambda price: bracketed(at(price, "reached.ratio"), ".3g")),
+        Column("setting", lambda price: at(price, "outcome.at.track") or ""),
+        Column("step", lambda price: "" if (met := price.reached) is None else step_in_words(met.at.dt, met.at.substeps)),
         Column("tried", _tried),
         Column("marks", _marks),
     ),
@@ -75,13 +78,13 @@ TABLE = Table(
         Titled("Case", Titles.scene),
         Column("Error", "target"),  # a share of the case's scale
         Titled("Engine", Titles.engine),
-        Column("CPU time [ms/s]", lambda price: milli(price.cost)),  # CPU milliseconds a simulated second
-        Column("95 % interval", lambda price: span(milli(price.low), milli(price.high))),
-        Column("Times the cheapest", "ratio"),
-        Column("95 % interval", lambda price: span(price.ratio_low, price.ratio_high)),
-        Column("Setting", "track"),
-        Column("Time step [ms]", lambda price: None if price.cost is None else milli(price.dt)),
-        Column("Sub-steps", lambda price: None if price.cost is None or price.dt is None else price.substeps),
+        Column("CPU time [ms/s]", _of_reached(lambda met: milli(met.cost.value))),  # CPU milliseconds a simulated second
+        Column("95 % interval", _of_reached(lambda met: span(met.cost, 1e3))),
+        Column("Times the cheapest", "reached.ratio.value"),
+        Column("95 % interval", _of_reached(lambda met: span(met.ratio))),
+        Column("Setting", lambda price: at(price, "outcome.at.track") or ""),
+        Column("Time step [ms]", _of_reached(lambda met: milli(met.at.dt))),
+        Column("Sub-steps", "reached.at.substeps"),
         Column("Price", lambda price: _WORDS.get(price.verdict, price.verdict)),
     ),
 )

@@ -6,12 +6,14 @@ the price list, over the cheapest of such engines. The reference engine stands b
 
 from collections import Counter
 from collections.abc import Iterable, Sequence
-from dataclasses import asdict, dataclass
-from typing import Any, NamedTuple
+from dataclasses import dataclass
+from operator import attrgetter
+from typing import NamedTuple
 
-from plumbline.harness.findings.columns import Column, Row, Table, names
+from plumbline.harness.findings.columns import Column, Table, at
 from plumbline.harness.findings.prices import PER_SECOND, Price, priced
 from plumbline.harness.findings.standing import is_reference
+from plumbline.harness.store.rows import grouped
 
 FACTOR, TIME = "times the cheapest", "CPU s per simulated s"
 """The two limits."""
@@ -66,7 +68,7 @@ def profile(prices: Sequence[Price]) -> list[Share]:
         for limit, values in ((FACTOR, FACTORS), (TIME, SECONDS)):
             put = [pair for pair in reached if pair in mine]
             timely = [pair for pair in put if limit != TIME or mine[pair].unit == PER_SECOND]
-            cost = [mine[pair].ratio if limit == FACTOR else mine[pair].cost for pair in timely]
+            cost = [at(mine[pair], "reached.ratio.value" if limit == FACTOR else "reached.cost.value") for pair in timely]
             for within in values:
                 done = [value is not None and value <= within * (1 + 1e-12) for value in cost]
                 shares.append(_share(engine, limit, within, [SceneName(case, where) for case, where, _ in timely], done))
@@ -91,56 +93,46 @@ def _share(engine: str, limit: str, within: float, scenes: Sequence[SceneName], 
     )
 
 
-def flat(share: Share) -> dict[str, Any]:
-    """A share as a row: scenes in words."""
-    return asdict(share) | {"without_low": share.without_low.words, "without_high": share.without_high.words}
+def hinges(rows: Iterable[Share]) -> list[Share]:
+    """For each engine and limit the share that depends most on one scene."""
+    widest = (max(mine, key=swing) for mine in grouped(rows, attrgetter("engine", "limit")).values())
+    return [row for row in widest if swing(row) > 0]
 
 
-def hinges(rows: Iterable[Row]) -> list[Row]:
-    """For each engine and limit the share that depends most on one scene, as a row."""
-    widest: dict[tuple[str, str], Row] = {}
-    for row in rows:
-        key = (row["engine"], row["limit"])
-        if key not in widest or swing(row) > swing(widest[key]):
-            widest[key] = row
-    return [row for row in widest.values() if swing(row) > 0]
-
-
-def swing(row: Row) -> float:
+def swing(row: Share) -> float:
     """By how much leaving one scene out changes a share at most."""
-    return float(max(row["share"] - row["low"], row["high"] - row["share"]))
+    return max(row.share - row.low, row.high - row.share)
 
 
-def without(row: Row) -> tuple[Any, float]:
-    """The scene on which a share hangs most, as the row has it, and what the share would be without it."""
-    least = row["share"] - row["low"] > row["high"] - row["share"]
-    return (row["without_low"], row["low"]) if least else (row["without_high"], row["high"])
+def without(row: Share) -> tuple[SceneName, float]:
+    """The scene on which a share hangs most, and what the share would be without it."""
+    least = row.share - row.low > row.high - row.share
+    return (row.without_low, row.low) if least else (row.without_high, row.high)
 
 
-def sentences(rows: Sequence[Row]) -> list[str]:
+def sentences(rows: Sequence[Share]) -> list[str]:
     """What the shares are shares of, and which case each engine's share within a factor hangs on."""
-    pairs = max((row["pairs"] for row in rows), default=0)
+    pairs = max((row.pairs for row in rows), default=0)
     lines = [f"Shares of the {pairs} pairs of case and error that at least one engine to deploy reaches."] if pairs else []
-    for row in hinges(row for row in rows if row["limit"] == FACTOR and not is_reference(row["engine"])):
-        engine, (scene, other) = row["engine"], without(row)
-        limit = "at the lowest price" if row["within"] == 1 else f"within {row['within']:g} times the lowest price"
+    for row in hinges(row for row in rows if row.limit == FACTOR and not is_reference(row.engine)):
+        engine, (scene, other) = row.engine, without(row)
+        limit = "at the lowest price" if row.within == 1 else f"within {row.within:g} times the lowest price"
         lines.append(
-            f"{engine} depends most on {scene}: without it, it answers {other:.0%} instead of {row['share']:.0%} {limit}."
+            f"{engine} depends most on {scene.words}: without it, it answers {other:.0%} instead of {row.share:.0%} {limit}."
         )
     return lines
 
 
 TABLE = Table(
-    columns=names(Share),
+    holds="engine limit within share low high without_low=without_low.words without_high=without_high.words pairs",
     objects=lambda store: profile(priced(store).prices),
-    row=flat,
     shown=(
         Column("engine", "engine"),
         Column("within", "within", "g"),
         Column("", "limit"),
         Column("share", "share", ".0%"),
-        Column("least, without", lambda row: f"{row['low']:.0%} {row['without_low']}"),
-        Column("most, without", lambda row: f"{row['high']:.0%} {row['without_high']}"),
+        Column("least, without", lambda row: f"{row.low:.0%} {row.without_low.words}"),
+        Column("most, without", lambda row: f"{row.high:.0%} {row.without_high.words}"),
     ),
     sentences=sentences,
 )

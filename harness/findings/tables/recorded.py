@@ -12,13 +12,13 @@ The share explained is 1 less the sum of squares that is left over that before.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
 
 from plumbline.harness.findings.agreement.found import agreements
 from plumbline.harness.findings.agreement.values import Agreement
-from plumbline.harness.findings.columns import Column, Table, plain
+from plumbline.harness.findings.columns import Column, Table, names, plain
 from plumbline.harness.findings.once import once
 from plumbline.harness.intake.safe_text import quoted
 from plumbline.harness.scene import Prismatic, Revolute, Scene
@@ -31,7 +31,7 @@ from plumbline.harness.trajectory.kinematics import joint_coordinate
 
 
 def _explains(name: str) -> Column:
-    return Column("explains", lambda row: f"{100 * row[f'{name}_explains']:.0f} %")
+    return Column("explains", lambda row: f"{100 * getattr(row, f'{name}_explains'):.0f} %")
 
 
 LATEST = 0.2
@@ -154,11 +154,11 @@ def recorded_words(errors: Sequence[JointError], titles: Mapping[str, str]) -> l
 
 
 TABLE = Table(
-    columns=tuple(field.name for field in fields(JointError)),
+    holds=names(JointError),
     objects=joint_errors,
     shown=(
         *plain("engine", "track", "joint"),
-        Column("rms", lambda row: f"{row['rms']:.3g} {row['unit']}"),
+        Column("rms", lambda row: f"{row.rms:.3g} {row.unit}"),
         Column("largest", "largest", ".3g"),
         Column("friction (fit)", "friction", ".3g"),
         _explains("friction"),
@@ -167,5 +167,5 @@ TABLE = Table(
         Column("delay (fit)", "delay", ".3g", " s"),
         _explains("delay"),
     ),
-    sentences=lambda rows: recorded_words([JointError(**row) for row in rows], {}),
+    sentences=lambda errors: recorded_words(errors, {}),
 )

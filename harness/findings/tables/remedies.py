@@ -48,10 +48,8 @@ def remedied(store: Store) -> list[Remedied]:
     mine = [search for search in every if search.remedied in sick]
     broken = store.trials[store.trials["trial"].isin({search.remedied for search in mine})]
     tried = store.trials[store.trials["remedied"].isin(set(broken["trial"]))].sort_values("round", kind="stable")
-    before = {str(row["trial"]): row for _, row in broken.iterrows()}
-    first = {
-        (str(row["remedied"]), str(row["remedy"])): row for _, row in tried.drop_duplicates(["remedied", "remedy"]).iterrows()
-    }
+    before = {str(row.trial): row for _, row in broken.iterrows()}
+    first = {(str(row.remedied), str(row.remedy)): row for _, row in tried.drop_duplicates(["remedied", "remedy"]).iterrows()}
     held = store.measurements[store.measurements["metric"] == HELD].drop_duplicates("trial")
     shares = dict(zip(held["trial"], held["value"], strict=True))
     return [
@@ -90,18 +88,18 @@ def _row(
 
 
 TABLE = Table(
-    columns=names(Remedied),
+    holds=names(Remedied),
     objects=remedied,
     shown=(
         Column("case", scene),
         Column("engine", "engine"),
         Column("setting", "track"),
-        Column("broke at", lambda row: f"{row['axis']} {row['value']:.4g}{'' if row['unit'] == '1' else ' ' + row['unit']}"),
+        Column("broke at", lambda row: f"{row.axis} {row.value:.4g}{'' if row.unit == '1' else ' ' + row.unit}"),
         Column("remedy", "remedy"),
         Column("held before", "share_before", ".2f"),
         Column("held after", "share_after", ".2f"),
-        Column("now holds to", lambda row: amount(row["held"], "")),
-        Column("cost", lambda row: "" if row["cost_ratio"] is None else f"x {row['cost_ratio']:.2g}"),
+        Column("now holds to", lambda row: amount(row.held, "")),
+        Column("cost", lambda row: "" if row.cost_ratio is None else f"x {row.cost_ratio:.2g}"),
         Column("verdict", "verdict"),
     ),
 )

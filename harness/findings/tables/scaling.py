@@ -5,26 +5,192 @@ where nothing touches, the case's own error. Ratios are taken within blocks of s
 
 What was clocked beside the work (steps whose state is read, empty calls, several processes side by side) is compared with the
 same engine's plain step and with nobody else's.
+
+What a step, a ray or a world costs: a price with what it buys, prices along a parameter, and how they grow.
 """
 
 import json
-import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from plumbline.harness.findings.columns import Column, Row, Table, known, spread
+from plumbline.harness.findings.columns import Column, Table, at, scene
 from plumbline.harness.findings.cost_point import BlockSample, Clock, SampledBlock, ratio_in_blocks, samples_by_block
-from plumbline.harness.findings.costs import PENETRATION, RESIDUAL, Cost, Exponent, Sweep, growth, no_worse, whole
 from plumbline.harness.findings.emulations import share_in_words
-from plumbline.harness.findings.parameter_words import called, differing, other_values, said, with_substeps
+from plumbline.harness.findings.parameter_words import called, differing, other_values, said, substeps_taken
 from plumbline.harness.statistics.interval import Interval
-from plumbline.harness.statistics.order import FEWEST
+from plumbline.harness.statistics.order import FEWEST, Order, fit_order
+from plumbline.harness.store.rows import finite
 from plumbline.harness.store.store import Store
+
+TELLING = 1.0
+"""The widest 95 % interval of an exponent that is stated.
+
+Laws of growth that people tell apart are whole powers: constant, linear, quadratic. An interval narrower than the distance
+between two of them holds one at most; a wider one always holds one and may hold two, and does not say whether twice the size
+costs twice or four times as much. Three sizes leave a single degree of freedom, where Student's t is 12.7: over two decades a
+price at the middle one that is off by a sixth makes the interval that wide."""
+
+PENETRATION = ("overlap", "penetration")
+"""Metrics [m] that say how deep bodies stand in one another, the more trusted one first."""
+RESIDUAL = ("rms_speed",)
+SMALLEST = {"penetration": 1e-6, "residual": 1e-5, "error": 1e-6}
+"""Below a micrometre, 10 micrometres a second, or a millionth of an error's unit, two answers count as equally good."""
+WHOLE = {"ray": ("cast", "rays"), "world-step": ("batch-step", "worlds")}
+"""Where the number of what is counted is swept, the price of all together, and the name of that number."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Cost:
+    """A row: one engine under one group of settings in one scene.
+
+    Terms:
+        where: the parameters that tell the scene from the case's others. unit: what is counted. cpu [s]: of one unit.
+        to_fastest: over the fastest setting whose checks hold of any engine that people can deploy. reference: what the
+        reference engine takes over this row, at its fastest setting that penetrates no more and moves no more (or, without
+        contact, errs no more) than this row; reference_setting names it.
+        penetration [m]; residual [m/s]: root mean square speed of the worst body when all should rest; error: the case's
+        headline metric. best: is this the engine's fastest setting whose checks hold?
+        clocks, workers: as in `harness.study.trial.Trial`. units: rays of a cast, worlds of a step. to_plain: over the plain
+        step of the same engine and setting, where something else was clocked. rate [1/s]: units that all processes get done in
+        a second of wall time; efficiency: that over `workers` times the rate of one process; where several stepped side by
+        side. emulated: the share of the price (0 to 1) that is the adapter's own laws; None where it was not measured.
+    """
+
+    case: str
+    where: str
+    parameters: Mapping[str, Any]
+    engine: str
+    track: str
+    unit: str
+    cpu: Interval | None
+    to_fastest: Interval | None = None
+    reference: Interval | None = None
+    reference_setting: str = ""
+    penetration: float | None
+    residual: float | None
+    error: float | None
+    error_metric: str
+    best: bool = False
+    unstable: bool | None
+    status: str
+    reason: str
+    dt: float
+    substeps: int
+    trial: str
+    experiment: str = ""
+    clocks: str = "work"
+    workers: int = 1
+    units: int = 1
+    to_plain: Interval | None = None
+    rate: float | None = None
+    efficiency: Interval | None = None
+    emulated: float | None = None
+
+    row = "cost"
+
+    @property
+    def answered(self) -> bool:
+        """Has it an answer?"""
+        return self.status in ("passed", "failed")
+
+    @property
+    def beside(self) -> bool:
+        """Does it belong to a study of what stands beside the work?"""
+        return "clocked" in self.parameters or "workers" in self.parameters
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Sweep:
+    """Rows of all engines that differ in one numeric parameter, by its size; where: what else tells them from the case.
+
+    Where the parameter decides how many rays or worlds there are, the rows show that number and the price of all of them.
+    """
+
+    case: str
+    where: str
+    unit: str
+    parameter: str
+    rows: tuple[Cost, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Exponent:
+    """How the price of one engine under one group of settings grows along a sweep: fit: cost = C parameter^order above a floor,
+    between two values of the parameter."""
+
+    sweep: Sweep
+    engine: str
+    track: str
+    fit: Order
+
+    row = "exponent"
+
+    @property
+    def case(self) -> str:
+        """Of the sweep."""
+        return self.sweep.case
+
+    @property
+    def unit(self) -> str:
+        """What is counted."""
+        return self.sweep.unit
+
+    @property
+    def where(self) -> str:
+        """What tells the sweep from the case, and along what it goes."""
+        along = f"{called(self.case, self.sweep.parameter)} from {self.fit.fine:g} to {self.fit.coarse:g}"
+        return ", ".join(filter(None, (self.sweep.where, along)))
+
+    @property
+    def exponent(self) -> tuple[float | None, float, float]:
+        """With its interval; None where it is not known well enough."""
+        return self.fit.order if self.telling else None, self.fit.low, self.fit.high
+
+    @property
+    def telling(self) -> bool:
+        """Is the exponent known well enough to be stated? Elsewhere its interval alone is."""
+        return self.fit.high - self.fit.low <= TELLING
+
+
+def growth(sweep: Sweep, rows: Sequence[Cost]) -> Exponent | None:
+    """The exponent of the price along a sweep for the rows of one engine; None below three values."""
+    points = [(float(row.parameters[sweep.parameter]), row.cpu.value) for row in rows if row.cpu is not None]
+    fit = fit_order([x for x, _ in points], [y for _, y in points])
+    return None if fit is None else Exponent(sweep, rows[0].engine, rows[0].track, fit)
+
+
+def whole(sweep: Sweep) -> Sweep:
+    """Prices of all rays or worlds together over their number, where that is what the parameter decides."""
+    if sweep.unit not in WHOLE or len({row.units for row in sweep.rows}) < FEWEST:
+        return sweep
+    unit, name = WHOLE[sweep.unit]
+    kept = [{n: v for n, v in row.parameters.items() if n != sweep.parameter} for row in sweep.rows]
+    rows = [
+        replace(
+            row,
+            unit=unit,
+            parameters=others | {name: row.units},
+            cpu=row.cpu and row.cpu.times(row.units),
+        )
+        for row, others in zip(sweep.rows, kept, strict=True)
+    ]
+    return replace(sweep, unit=unit, parameter=name, rows=tuple(sorted(rows, key=lambda row: row.units)))
+
+
+def no_worse(own: Cost, other: Cost) -> bool:
+    """Does one answer penetrate no more and move no more than another (or, where neither is known, err no more)?"""
+    names = [name for name in ("penetration", "residual") if getattr(other, name) is not None] or ["error"]
+    for name in names:
+        mine, theirs = getattr(own, name), getattr(other, name)
+        if mine is None or theirs is None or max(mine, SMALLEST[name]) > max(theirs, SMALLEST[name]):
+            return False
+    return True
+
 
 _REASON = 64
 """Characters of why a priced run failed; what an engine could not hold comes first, and the whole is in the CSV."""
@@ -38,20 +204,6 @@ CLOCKED = {
 """What runs under the clock, in the words that set the rows apart."""
 
 
-COLUMNS = (
-    "row", "case", "where", "engine", "track", "unit", "cpu_s", "cpu_low_s", "cpu_high_s", "to_fastest", "to_fastest_low",
-    "to_fastest_high", "reference", "reference_low", "reference_high", "reference_setting", "penetration_m", "residual_m_s",
-    "error", "error_metric", "best", "exponent", "exponent_low", "exponent_high", "unstable", "status", "reason", "dt",
-    "substeps", "trial", "clocks", "workers", "units", "to_plain", "to_plain_low", "to_plain_high", "rate_per_s", "efficiency",
-    "efficiency_low", "efficiency_high", "emulated",
-)  # fmt: skip
-"""Of the flat rows: 'cost' rows and 'exponent' rows share them; what a row has not is None, and so an exponent not known."""
-
-
-def _number(value: Any) -> float | None:
-    return float(value) if value is not None and pd.notna(value) and math.isfinite(value) else None
-
-
 class Scaling:
     """The costs and exponents of a run folder, read once."""
 
@@ -63,15 +215,6 @@ class Scaling:
     @cached_property
     def _samples(self) -> Mapping[str, Mapping[SampledBlock, BlockSample]]:
         return samples_by_block(self._store)
-
-    @cached_property
-    def _values(self) -> Mapping[str, Mapping[str, float]]:
-        """Metric values by trial; of a metric that is checked twice the first."""
-        by_trial: dict[str, dict[str, float]] = {}
-        table = self._store.measurements
-        for trial, metric, value in zip(table["trial"], table["metric"], table["value"], strict=True):
-            by_trial.setdefault(trial, {}).setdefault(metric, value)
-        return by_trial
 
     def _own(self, case: str) -> Mapping[str, Any]:
         """The parameters that a case has of itself."""
@@ -101,7 +244,7 @@ class Scaling:
         return tuple(self._beside(priced))
 
     def _cost(self, case: str, where: str, row: Mapping[str, Any]) -> Cost:
-        values, cpu = self._values.get(row["trial"], {}), _number(row.get("cpu_per_unit"))
+        values, cpu = self._store.values(row["trial"]), finite(row.get("cpu_per_unit"))
         headline = self._store.catalogue.get("cases", {}).get(case, {}).get("headline", "")
         note = row.get("timing_note")  # a run folder of an older version has no such column
         trouble = [f"timing: {note}"] if isinstance(note, str) and note else []
@@ -113,22 +256,21 @@ class Scaling:
             engine=row["engine"],
             track=row["track"],
             unit=str(row["unit"]) if pd.notna(row.get("unit")) else "",
-            cpu=None
-            if cpu is None
-            else Interval(cpu, _number(row.get("cpu_per_unit_low")), _number(row.get("cpu_per_unit_high"))),
-            penetration=next((_number(values[name]) for name in PENETRATION if name in values), None),
-            residual=next((_number(values[name]) for name in RESIDUAL if name in values), None),
-            error=_number(values.get(headline)),
+            cpu=None if cpu is None else Interval(cpu, *(finite(row.get(f"cpu_per_unit_{end}")) for end in ("low", "high"))),
+            penetration=next((finite(values[name]) for name in PENETRATION if name in values), None),
+            residual=next((finite(values[name]) for name in RESIDUAL if name in values), None),
+            error=finite(values.get(headline)),
             error_metric=headline,
             unstable=None if pd.isna(unstable) else bool(unstable),
             status=row["status"],
             reason="; ".join([row["reason"], *trouble]) if row["status"] != "passed" else "; ".join(trouble),
             dt=float(row["dt"]),
+            substeps=substeps_taken(self._store).get(row["trial"], 1),
             trial=row["trial"],
             experiment=row["experiment"],
             clocks=row.get("clocks", "work"),
             workers=workers,
-            emulated=_number(row.get("emulated")),
+            emulated=finite(row.get("emulated")),
             units=next((s.units for s in self._samples.get(row["trial"], {}).values()), workers) // workers,
         )
 
@@ -216,51 +358,41 @@ class Scaling:
             if (fit := growth(sweep, [row for row in sweep.rows if (row.engine, row.track) == side])) is not None
         )
 
-    def rows(self) -> list[dict[str, Any]]:
-        """Flat rows with COLUMNS."""
-        blank = dict.fromkeys(COLUMNS)
-        flat = []
-        for cost in self.costs:
-            named = {"penetration_m": cost.penetration, "residual_m_s": cost.residual, "rate_per_s": cost.rate}
-            prices = dict(zip(("cpu_s", "cpu_low_s", "cpu_high_s"), cost.cpu or (None,) * 3, strict=True))
-            row = spread(cost) | named | prices | {"row": "cost"}
-            flat.append({name: row.get(name) for name in COLUMNS})
-        for exponent in self.exponents:
-            sweep, fit = exponent.sweep, exponent.fit
-            row = known(sweep, "case", "unit") | known(exponent, "engine", "track")
-            along = f"{called(sweep.case, sweep.parameter)} from {fit.fine:g} to {fit.coarse:g}"
-            row |= {"where": ", ".join(filter(None, (sweep.where, along))), "exponent": fit.order if exponent.telling else None}
-            flat.append(blank | row | {"row": "exponent", "exponent_low": fit.low, "exponent_high": fit.high})
-        return flat
+    @property
+    def rows(self) -> tuple[Cost | Exponent, ...]:
+        """All costs, then all exponents."""
+        return (*self.costs, *self.exponents)
 
 
-def _costs(row: Row) -> str:
-    if row["row"] == "exponent":
-        stated = "not known" if row["exponent"] is None else f"{row['exponent']:.2f}"
-        return f"exponent {stated} ({row['exponent_low']:.2f} to {row['exponent_high']:.2f})"
-    if row["cpu_s"] is None:
-        costs = "not clocked" if _answered(row) else ""
-    else:
-        costs = f"{_micro(row['cpu_s'])} us ({_micro(row['cpu_low_s'])}..{_micro(row['cpu_high_s'])})"
-        if row["to_plain"] is not None:
-            costs += f", {row['to_plain']:.3g} x the step alone"
-        if row["efficiency"] is not None:
-            costs += f", {row['rate_per_s']:,.0f} a second, efficiency {row['efficiency']:.2f}"
-        if own := share_in_words(row["emulated"]):
-            costs += f", {own}"
-    return costs
+def _costs(row: Cost | Exponent) -> str:
+    if isinstance(row, Exponent):
+        stated = f"{row.fit.order:.2f}" if row.telling else "not known"
+        return f"exponent {stated} ({row.fit.low:.2f} to {row.fit.high:.2f})"
+    if row.cpu is None:
+        return "not clocked" if row.answered else ""
+    costs = f"{_micro(row.cpu.value)} us ({'..'.join(map(_micro, row.cpu.ends))})"
+    if row.to_plain is not None:
+        costs += f", {row.to_plain.value:.3g} x the step alone"
+    if row.efficiency is not None:
+        costs += f", {row.rate:,.0f} a second, efficiency {row.efficiency.value:.2f}"
+    own = share_in_words(row.emulated)
+    return f"{costs}, {own}" if own else costs
 
 
-def _answered(row: Row) -> bool:
-    return row["status"] in ("passed", "failed")
-
-
-def _status(row: Row) -> str:
-    if row["row"] == "exponent":
+def _status(row: Cost | Exponent) -> str:
+    if isinstance(row, Exponent):
         return ""
-    if row["status"] == "failed" and row["cpu_s"] is not None:
-        return f"failed: {row['reason'][:_REASON]}"
-    return str(row["status"]) if _answered(row) and row["cpu_s"] is not None else f"{row['status']}: {row['reason']}"
+    if row.status == "failed" and row.cpu is not None:
+        return f"failed: {row.reason[:_REASON]}"
+    return row.status if row.answered and row.cpu is not None else f"{row.status}: {row.reason}"
+
+
+def _millionths(name: str, unit: str) -> Column:
+    def cell(row: Cost | Exponent) -> str:
+        value = at(row, name)
+        return "" if value is None else f"{_micro(value)} {unit}"
+
+    return Column({"penetration": "penetration", "residual": "moves"}[name], cell)
 
 
 def _micro(value: float) -> str:
@@ -285,24 +417,25 @@ def _size(value: Any) -> tuple[int, float, str]:
 
 
 TABLE = Table(
-    columns=COLUMNS,
-    objects=lambda store: with_substeps(store, Scaling(store).rows()),
-    row=dict,
+    # 'cost' rows and 'exponent' rows share the columns; what a row has not is None, and so an exponent not known.
+    holds="row case where engine track unit cpu_s(cpu_low_s,cpu_high_s)=cpu to_fastest.. reference.. reference_setting "
+    "penetration_m=penetration residual_m_s=residual error error_metric best exponent.. unstable status reason dt substeps "
+    "trial clocks workers units to_plain.. rate_per_s=rate efficiency.. emulated",
+    objects=lambda store: Scaling(store).rows,
     shown=(
-        Column("scene", lambda row: f"{row['case']} {row['where'] or ''}".strip()),
+        Column("scene", scene),
         Column("engine", "engine"),
         Column("setting", "track"),
         Column("a", "unit"),
         Column("costs", _costs),
-        Column("x fastest", "to_fastest", ".3g"),
+        Column("x fastest", "to_fastest.value", ".3g"),
         Column(
-            "reference x",
-            lambda row: "" if row["reference"] is None else f"{row['reference']:.3g} ({row['reference_setting']})",
+            "reference x", lambda row: f"{mine.value:.3g} ({row.reference_setting})" if (mine := at(row, "reference")) else ""
         ),
-        Column("penetration", lambda row: "" if row["penetration_m"] is None else f"{_micro(row['penetration_m'])} um"),
-        Column("moves", lambda row: "" if row["residual_m_s"] is None else f"{_micro(row['residual_m_s'])} um/s"),
+        _millionths("penetration", "um"),
+        _millionths("residual", "um/s"),
         # * the engine's fastest whose checks hold, ~ an unstable timing
-        Column("marks", lambda row: ("*" if row["best"] else "") + ("~" if row["unstable"] else "")),
+        Column("marks", lambda row: ("*" if at(row, "best") else "") + ("~" if at(row, "unstable") else "")),
         Column("status", _status),
     ),
 )

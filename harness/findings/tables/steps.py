@@ -8,11 +8,12 @@ from dataclasses import dataclass
 from operator import itemgetter
 from typing import Any
 
-from plumbline.harness.findings.columns import Cell, Column, Row, Table, Titled, Titles, milli, names, scene
+from plumbline.harness.findings.columns import Cell, Column, Table, Titled, Titles, milli, names, scene
 from plumbline.harness.findings.cost_point import CostPoint
 from plumbline.harness.findings.parameter_words import step_in_words, substeps_of
 from plumbline.harness.findings.prices import PER_SECOND, priced, unit_of
 from plumbline.harness.findings.standing import cheapness, is_reference, leaders
+from plumbline.harness.statistics.interval import Interval
 from plumbline.harness.store.rows import grouped, records
 from plumbline.harness.store.store import Store
 
@@ -87,7 +88,7 @@ def _step(cell: Cell, ladder: Sequence[Mapping[str, Any]], known: Mapping[str, C
         finest_substeps=parts[0],
         runs=len(steps),
         error=there.error if there else None,
-        realtime=1 / there.cost if there and timed else None,
+        realtime=1 / there.cost.value if there and timed else None,
         trial=there.trial if there else "",
     )
 
@@ -97,37 +98,37 @@ def _first(good: Sequence[bool]) -> int:
     return next((k for k, holds in enumerate(good) if not holds), len(good))
 
 
-def _worded(kind: str, row: Row) -> str:
-    step = row[kind]
+def _worded(kind: str, row: StepRange) -> str:
+    step = getattr(row, kind)
     if step is None:
-        return f"not at {step_in_words(row['finest'], row['finest_substeps'])}"
-    return step_in_words(step, row[f"{kind}_substeps"]) + (", the coarsest" if step == row["coarsest"] else "")
+        return f"not at {step_in_words(row.finest, row.finest_substeps)}"
+    return step_in_words(step, getattr(row, f"{kind}_substeps")) + (", the coarsest" if step == row.coarsest else "")
 
 
-def _sentences(rows: Sequence[Row]) -> list[str]:
+def _sentences(rows: Sequence[StepRange]) -> list[str]:
     """The fastest way to stay within one per cent, case by case, and the reference engine's beside it, not ranked."""
     lines = []
-    for name, paced in grouped((row for row in rows if row["realtime"] is not None), scene).items():
-        ranked = [row for row in paced if not is_reference(row["engine"])]
-        first = leaders({_setting(row): cheapness(1 / row["realtime"], None, None, bound=False) for row in ranked})
+    for name, paced in grouped((row for row in rows if row.realtime is not None), scene).items():
+        ranked = [row for row in paced if not is_reference(row.engine)]
+        first = leaders({_setting(row): cheapness(Interval(1 / (row.realtime or 0.0)), bound=False) for row in ranked})
         ways = [_way(row) for row in ranked if _setting(row) in first] or ["nobody to deploy"]
-        ours = max((row for row in paced if row not in ranked), key=lambda row: row["realtime"], default=None)
+        ours = max((row for row in paced if row not in ranked), key=lambda row: row.realtime or 0.0, default=None)
         beside = "" if ours is None else f"; not ranked, {_way(ours)}"
         lines.append(f"{name}: to stay within 1 %, of the steps that were run, fastest {' and '.join(ways)}{beside}.")
     return lines
 
 
-def _setting(row: Row) -> str:
-    return f"{row['engine']} ({row['track']})"
+def _setting(row: StepRange) -> str:
+    return f"{row.engine} ({row.track})"
 
 
-def _way(row: Row) -> str:
-    step = step_in_words(row["accurate"], row["accurate_substeps"])
-    return f"{_setting(row)} at dt = {step}, {row['realtime']:.3g} times real time"
+def _way(row: StepRange) -> str:
+    step = step_in_words(row.accurate or 0.0, row.accurate_substeps)
+    return f"{_setting(row)} at dt = {step}, {row.realtime:.3g} times real time"
 
 
 TABLE = Table(
-    columns=names(StepRange),
+    holds=names(StepRange),
     objects=largest_steps,
     shown=(
         Column("case", scene),

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from operator import attrgetter, itemgetter
 from typing import Any, Literal
 
-from plumbline.harness.findings.columns import Cell, Column, Table, spread
+from plumbline.harness.findings.columns import Cell, Column, Table, names, scene
 from plumbline.harness.findings.once import once
 from plumbline.harness.findings.parameter_words import differing, said
 from plumbline.harness.metrics.equivalence import world_spread
@@ -88,7 +88,7 @@ def _rows(store: Store, trials: Sequence[Facts], swept: Sequence[str]) -> Iterat
     rates = [_rate(row) for row in trials]
     fastest = max((rate.value for rate in rates if rate is not None), default=None)
     for row, rate in zip(trials, rates, strict=True):
-        values, count = _values(store, row["trial"]), int(row["given"][WORLDS])
+        values, count = store.values(row["trial"]), int(row["given"][WORLDS])
         apart, error = values.get(world_spread.name), values.get(headline)
         given = {name: row["given"][name] for name in swept if name in row["given"]}
         yield Throughput(
@@ -114,11 +114,6 @@ def _rows(store: Store, trials: Sequence[Facts], swept: Sequence[str]) -> Iterat
         )
 
 
-def _values(store: Store, trial: str) -> Mapping[str, float]:
-    """Values of metrics in a trial; of one that is checked twice the last, which is the same."""
-    return {row["metric"]: float(row["value"]) for row in store.measured.get(trial, ())}
-
-
 def _rate(row: Facts) -> Interval | None:
     """Steps a second of CPU time, from what a step of a world costs."""
     cost, low, high = (row[f"cpu_per_unit{end}"] for end in ("", "_low", "_high"))
@@ -138,24 +133,20 @@ def bests(rows: Sequence[Throughput]) -> list[Throughput]:
 
 
 TABLE = Table(
-    columns=(
-        *("case", "where", "engine", "track", "worlds", "dt", "rate", "rate_low", "rate_high", "pace", "error"),
-        *("error_metric", "memory", "places", "sizes", "short", "status", "reason", "unstable", "trial", "best"),
-    ),
+    holds=names(Throughput),
     objects=throughputs,
-    row=spread,
     shown=(
-        Column("scene", lambda row: f"{row['case']} {row['where']}".strip()),
+        Column("scene", scene),
         Column("engine", "engine"),
-        Column("setting", lambda row: f"{row['track']}, {1e3 * row['dt']:.3g} ms"),
+        Column("setting", lambda row: f"{row.track}, {1e3 * row.dt:.3g} ms"),
         Column("worlds", "worlds"),
-        Column("steps/s", "rate", ",.0f"),
+        Column("steps/s", "rate.value", ",.0f"),
         Column("error", "error", ".3g"),
-        Column("kB a world", lambda row: "" if row["memory"] is None else f"{row['memory'] / 1e3:.3g}"),
+        Column("kB a world", lambda row: "" if row.memory is None else f"{row.memory / 1e3:.3g}"),
         Column("places", "places"),
         Column("sizes", "sizes"),
         # * the engine's fastest number of worlds, ~ an unstable timing
-        Column("marks", lambda row: ("*" if row["best"] else "") + ("~" if row["unstable"] else "")),
-        Column("status", lambda row: row["status"] if row["status"] == "passed" else f"{row['status']}: {row['reason'][:64]}"),
+        Column("marks", lambda row: ("*" if row.best else "") + ("~" if row.unstable else "")),
+        Column("status", lambda row: row.status if row.status == "passed" else f"{row.status}: {row.reason[:64]}"),
     ),
 )

@@ -31,9 +31,9 @@ from dataclasses import dataclass
 from operator import attrgetter
 from typing import Any, TypeAlias
 
-from plumbline.harness.findings.columns import Column, Row, Table, known, plain
-from plumbline.harness.findings.parameter_words import step_in_words, with_substeps
-from plumbline.harness.findings.prices import number
+from plumbline.harness.findings.columns import Column, Table, plain
+from plumbline.harness.findings.parameter_words import step_in_words, substeps_taken
+from plumbline.harness.store.rows import finite, number
 from plumbline.harness.store.store import Store
 from plumbline.harness.study.experiment import departures_of
 
@@ -63,7 +63,8 @@ class TrembleRun:
 class Tremble:
     """What one engine's base shows.
 
-    Terms: stiffness in the case's own unit; dt [s]; shares: by change, how many times smaller the vibration became; cause: one
+    Terms: stiffness in the case's own unit; dt [s], taken in substeps; shares: by
+    change, how many times smaller the vibration became; cause: one
     of CAUSES; why: the rule that gave it.
     """
 
@@ -76,6 +77,22 @@ class Tremble:
     shares: Mapping[str, float]
     cause: str
     why: str
+    substeps: int = 1
+
+    @property
+    def vibration(self) -> float | None:
+        """Of the base; None without bound."""
+        return finite(self.base.vibration)
+
+    @property
+    def frequency(self) -> float | None:
+        """Of the base; None where it has none."""
+        return finite(self.base.frequency)
+
+    @property
+    def changed(self) -> Mapping[str, float]:
+        """How many times smaller each change that was run made the vibration, `CURED` where it was without bound."""
+        return {name: min(share, CURED) for name, share in self.shares.items()}
 
     @property
     def falls(self) -> bool:
@@ -178,7 +195,7 @@ def findings(store: Store) -> tuple[Tremble, ...]:
         # The softest of a series is there to be compared with, and so is every finer step.
         if dt < max(other[-1] for other in together) or "softer" not in changes:
             continue
-        made.append(Tremble(*key, run, *attribute(run, changes)))
+        made.append(Tremble(*key, run, *attribute(run, changes), substeps=substeps_taken(store).get(run.trial, 1)))
     return tuple(sorted(made, key=attrgetter("case", "engine", "track", "stiffness")))
 
 
@@ -206,54 +223,31 @@ def _changes(
     return changes
 
 
-COLUMNS = (
-    "case", "engine", "track", "stiffness", "dt", "substeps", "vibration_rad_s", "frequency_hz", "bound_rad_s", *CHANGES,
-    "cause", "why", "trial",
-)  # fmt: skip
-"""Of the flat rows: a change's column says how many times smaller it made the vibration, CURED where it was without bound; None
-where there was no such run."""
 CURED = 1e99
-
-
-def _number(value: float) -> float | None:
-    return value if math.isfinite(value) else None
-
-
-def _rows(store: Store) -> list[dict[str, Any]]:
-    """Flat rows; a vibration without bound is None."""
-    flat = [
-        known(finding, "case", "engine", "track", "stiffness", "dt")
-        | {"vibration_rad_s": _number(finding.base.vibration), "frequency_hz": _number(finding.base.frequency)}
-        | {"bound_rad_s": finding.base.bound}
-        | {name: None if name not in finding.shares else min(finding.shares[name], CURED) for name in CHANGES}
-        | known(finding, "cause", "why")
-        | {"trial": finding.base.trial}
-        for finding in findings(store)
-    ]
-    return with_substeps(store, flat)
+"""How many times smaller a vibration is said to be where it was without bound."""
 
 
 def _share_of(change: str) -> Column:
     """How many times smaller a change made the vibration."""
 
-    def cell(row: Row) -> str:
-        share = row[change]
+    def cell(found: Tremble) -> str:
+        share = found.changed.get(change)
         return "" if share is None else "stands" if share >= CURED else f"{share:.3g}x"
 
     return Column(change, cell)
 
 
 TABLE = Table(
-    columns=COLUMNS,
-    objects=_rows,
-    row=dict,
+    holds="case engine track stiffness dt substeps vibration_rad_s=vibration frequency_hz=frequency bound_rad_s=base.bound "
+    f"{' '.join(f'{name}=changed.{name}' for name in CHANGES)} cause why trial=base.trial",
+    objects=findings,
     shown=(
         Column("engine", "engine"),
         Column("setting", "track"),
         Column("stiffness", "stiffness", "g"),
-        Column("dt", lambda row: step_in_words(row["dt"], row["substeps"])),
-        Column("vibration", lambda row: "falls" if row["vibration_rad_s"] is None else f"{row['vibration_rad_s']:.2g} rad/s"),
-        Column("at", "frequency_hz", ".3g", " Hz"),
+        Column("dt", lambda found: step_in_words(found.dt, found.substeps)),
+        Column("vibration", lambda found: "falls" if found.falls else f"{found.base.vibration:.2g} rad/s"),
+        Column("at", "frequency", ".3g", " Hz"),
         *map(_share_of, CHANGES),
         *plain("cause", "why"),
     ),

@@ -16,7 +16,7 @@ from plumbline.harness.findings.agreement.found import agreements, errors_of
 from plumbline.harness.findings.agreement.omissions import omissions
 from plumbline.harness.findings.agreement.setting_causes import settings_turned
 from plumbline.harness.findings.agreement.values import Agreement, Side
-from plumbline.harness.findings.columns import Column, Row, Table, names, plain
+from plumbline.harness.findings.columns import Column, Table, names, plain
 from plumbline.harness.store.store import Store
 from plumbline.harness.store.zoo_record import InEngine, Stage, ZooEntry, entries
 
@@ -135,44 +135,44 @@ def _price(store: Store, side: Side) -> float | None:
     return min((float(cost) for trial in near if not math.isnan(cost := float(costs.get(trial) or math.nan))), default=None)
 
 
-def _sentences(rows: Sequence[Row]) -> list[str]:
+def _sentences(rows: Sequence[InZoo]) -> list[str]:
     return list(_words(rows))
 
 
-def _words(rows: Sequence[Row]) -> Iterator[str]:
+def _words(rows: Sequence[InZoo]) -> Iterator[str]:
     """How many robots go in, into which engines, and how many agree."""
-    robots = dict.fromkeys(row["robot"] for row in rows)
+    robots = dict.fromkeys(row.robot for row in rows)
     if not robots:
         yield "No robot of this folder was taken in by a zoo."
         return
-    inside = {row["robot"] for row in rows if row["enters"]}
-    engines = list(dict.fromkeys(row["engine"] for row in rows if row["engine"]))
-    ran = {engine: {row["robot"] for row in rows if row["engine"] == engine and row["verdict"] in RUNS} for engine in engines}
+    inside = {row.robot for row in rows if row.enters}
+    engines = list(dict.fromkeys(row.engine for row in rows if row.engine))
+    ran = {engine: {row.robot for row in rows if row.engine == engine and row.verdict in RUNS} for engine in engines}
     everywhere = len(set.intersection(*ran.values())) if ran else 0
     yield f"{len(inside)} of {len(robots)} robots go in; {everywhere} run on all of {', '.join(engines) or 'no engine'}."
-    if waiting := len(inside - {row["robot"] for row in rows if row["verdict"]}):
+    if waiting := len(inside - {row.robot for row in rows if row.verdict}):
         yield f"Of those that go in, {waiting} {'was' if waiting == 1 else 'were'} {NOT_RUN}; --resume goes on."
     for engine in engines:
-        words = [row["verdict"] for row in rows if row["engine"] == engine and row["verdict"]]
+        words = [row.verdict for row in rows if row.engine == engine and row.verdict]
         counted = ", ".join(f"{word} {words.count(word)}" for word in dict.fromkeys((*RUNS, *words)) if word in words)
         yield f"{engine}: {counted or 'nothing was run'}."
-    outside = [row["stage"] for row in rows if not row["engine"]]
+    outside = [row.stage for row in rows if not row.engine]
     if outside:
         counted = ", ".join(f"{stage} {outside.count(stage)}" for stage in dict.fromkeys(outside))
         yield f"Of those that do not go in: {counted}."
 
 
-def _verdict(row: Row) -> str:
+def _verdict(row: InZoo) -> str:
     """What became of a robot, in the room that a terminal has."""
-    return row["verdict"] or (row["reason"] if row["enters"] else f"{row['stage']}: {row['reason'][:90]}")
+    return row.verdict or (row.reason if row.enters else f"{row.stage}: {row.reason[:90]}")
 
 
 TABLE = Table(
-    columns=names(InZoo),
+    holds=names(InZoo),
     objects=in_zoo,
     shown=(
         *plain("robot", "engine"),
-        Column("dropped", lambda row: row["dropped"] or row["needed"]),
+        Column("dropped", lambda row: row.dropped or row.needed),
         Column("verdict", _verdict),
         Column("away", "away", ".2g"),
         Column("cost", "cost", ".2g"),

@@ -16,6 +16,7 @@ from plumbline.engine.describe.joints import (
     Prismatic,
     Revolute,
     Spring,
+    Tendon,
 )
 from plumbline.engine.describe.optics import Optics, Sun
 from plumbline.engine.describe.shapes import (
@@ -43,7 +44,7 @@ __all__ = [
     "WORLD", "Ball", "Batch", "Body", "Box", "Capsule", "Contacts", "ConvexHull", "Coupling", "Cylinder", "Distance",
     "Diverged", "Drive", "Ellipsoid", "Eye", "Fixed", "Hits", "Joint", "Lens", "Limits", "ManyImpacts", "NotSupported",
     "Optics", "Options", "Picture", "Placed", "Plane", "Prismatic", "Revolute", "Shape", "Sphere", "Spring", "Sun", "Surface",
-    "TriangleMesh", "World",
+    "Tendon", "TriangleMesh", "World",
 ]  # fmt: skip
 
 __version__ = "0.1.0"

@@ -7,14 +7,13 @@ from typing import Any
 import numpy as np
 
 from plumbline.engine.articulated.assembly import grow_world
-from plumbline.engine.contact.choice import load_collide
 from plumbline.engine.describe.check import finite
 from plumbline.engine.describe.errors import Diverged, NotSupported
 from plumbline.engine.maths.types import Floats, Ints
 from plumbline.engine.memory import arena as at
 from plumbline.engine.memory.status import CONVEX_PENDING, DIVERGED, FULL, OPEN_JOINT, UNSOLVED
 from plumbline.engine.options import GAUSS_SEIDEL
-from plumbline.engine.steps.choice import Kernels
+from plumbline.engine.steps.choice import Kernels, load_collide
 from plumbline.engine.steps.many_worlds import (
     address_of_collide,
     address_of_search,

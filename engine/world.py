@@ -17,20 +17,19 @@ from plumbline.engine.build.appearance import looks_of, may_touch
 from plumbline.engine.build.assembly import assemble_world, islands_know, moves_meshes, spheres_only, wants_islands
 from plumbline.engine.build.initial_rates import check_initial_rates, check_slenderness
 from plumbline.engine.build.joint_order import elimination_order
-from plumbline.engine.contact.choice import load_collide, load_sorting
 from plumbline.engine.contact.points import Contacts, joined, manifold_points, sphere_points
 from plumbline.engine.describe.bodies import Body, Surface
 from plumbline.engine.describe.check import finite, number, whole
 from plumbline.engine.describe.errors import Diverged, NotSupported
-from plumbline.engine.describe.joints import Joint
+from plumbline.engine.describe.joints import Joint, Tendon
 from plumbline.engine.describe.optics import Sun
 from plumbline.engine.maths.types import Floats, Ints
 from plumbline.engine.memory import arena as at
-from plumbline.engine.memory.status import CONVEX_PENDING, DIVERGED, DONE, FULL, OPEN_JOINT, UNSOLVED
+from plumbline.engine.memory.status import CONVEX_PENDING, DIVERGED, DONE, FULL, OPEN_JOINT, SEARCH_PENDING, UNSOLVED
 from plumbline.engine.options import COLOURED, GAUSS_SEIDEL, Options
 from plumbline.engine.rays.cast import as_rays, cast_on_shapes
 from plumbline.engine.rays.hits import Hits
-from plumbline.engine.steps.choice import Kernels, choose_step, joint_coordinates_step, unsmooth_of
+from plumbline.engine.steps.choice import Kernels, choose_step, joint_coordinates_step, load_collide, load_sorting, unsmooth_of
 from plumbline.engine.steps.lengths import fit_impulses
 
 if TYPE_CHECKING:
@@ -50,7 +49,7 @@ class World:
     Args:
         bodies, joints: as described; names are unique. surfaces: the law of each pair of materials, in either order; other
         pairs are frictionless and do not bounce. gravity (3,) m/s2. options: how to solve. apart: pairs of materials that
-        never touch. sun: the light that pictures are taken in.
+        never touch. sun: the light that pictures are taken in. tendons: over coordinates of joints, in joint coordinates alone.
     Raises: ValueError naming the element, field and value; NotSupported for open meshes that forces move or that are to be had
         at a level of detail, for swept collision of meshes that forces move, for an integrator of free bodies where there are
         joints or contacts, for initial velocities that a joint forbids, for bodies too thin for joints (`build.initial_rates`),
@@ -66,6 +65,7 @@ class World:
         options: Options | None = None,
         apart: Sequence[tuple[str, str]] = (),
         sun: Sun | None = None,
+        tendons: Sequence[Tendon] = (),
     ) -> None:
         self.options = options or Options()
         self._dt = self.options.dt
@@ -76,7 +76,7 @@ class World:
         joints = elimination_order(bodies, joints)
         self.sun = sun or Sun()
         self.touching = self.options.contacts and may_touch(bodies)
-        forest = chosen_forest(bodies, joints, self.options, self.touching)
+        forest = chosen_forest(bodies, joints, self.options, self.touching, tendons)
         islands = self.touching and forest is None and wants_islands(bodies, joints, self.options)
         self._floats, self._ints = assemble_world(bodies, joints, surfaces or {}, gravity, self.options, apart, islands)
         check_initial_rates(bodies, joints)
@@ -161,14 +161,9 @@ class World:
 
         Raises: Diverged, ValueError for count < 0.
         """
-        count, status = whole("world", "step count", count, 0), DONE
+        count = whole("world", "step count", count, 0)
         while count > 0:
-            if self._find_pairs is None or self._swept is not None or (status == DONE and self._all_asleep()):
-                done, status = self._step(self._floats, self._ints, count)
-            elif status == CONVEX_PENDING or self._search() == DONE:
-                done, status = self._step(self._floats, self._ints, 1)
-            else:
-                done, status = 0, FULL
+            done, status = self._step(self._floats, self._ints, count)
             count -= done
             if status != DONE:
                 self._resume(status)
@@ -202,7 +197,7 @@ class World:
             raise Diverged(self.steps, self.open_joint(status))
         if status == CONVEX_PENDING:
             load_collide(self.moving_meshes)(self._floats, self._ints)
-        if status == FULL:
+        if status == FULL or (status == SEARCH_PENDING and self._search() == FULL):
             self._floats, self._ints = grow_world(self._floats, self._ints, self.in_joint_coordinates)
 
     def open_joint(self, status: int) -> str:
@@ -230,10 +225,6 @@ class World:
         if status == DONE and self._sort_pairs is not None:
             self._sort_pairs(self._floats, self._ints)
         return status
-
-    def _all_asleep(self) -> bool:
-        """Whether all dynamic bodies sleep."""
-        return self.options.sleeping and self.steps > 0 and at.int_table(self._ints, at.TALLY)[0, at.AWAKE] == 0
 
     def state(self) -> Floats:
         """A view of the state (n, 13): p_WB 3 m, q_WB 4 (w, x, y, z), v_WB 3 m/s, w_WB 3 rad/s. Valid until the next step.

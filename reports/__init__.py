@@ -42,7 +42,7 @@ def parity_page(folder: Path) -> Path:
 
     Raises:
         OSError: the record cannot be read, or the page cannot be written.
-        Damaged: the record is not what was written.
+        DamagedFile: the record is not what was written.
     """
     from plumbline.reports.standalone.parity import write_page
 

@@ -13,6 +13,7 @@ from pathlib import Path
 from plumbline.harness.run.cluster.cells import Answered
 from plumbline.harness.run.cluster.workplace import Workplace
 from plumbline.harness.store.journal import Journal
+from plumbline.harness.store.record import plain
 from plumbline.harness.store.stored_tables import in_order, write_tables
 from plumbline.harness.study import plugins
 from plumbline.harness.study.experiment import Experiment
@@ -26,7 +27,7 @@ __all__: list[str] = []
 
 def nothing(trial: Trial, *_: object, **_of_run: object) -> Answered:
     """A cell that does nothing."""
-    return Answered(outcome(trial, "unsupported", "nothing was asked").plain(), {})
+    return Answered(plain(outcome(trial, "unsupported", "nothing was asked")), {})
 
 
 def main(cells: int) -> None:

@@ -30,7 +30,7 @@ from plumbline.harness.search import first_break, front
 from plumbline.harness.store import disk
 from plumbline.harness.store.journal import Journal, read_journal
 from plumbline.harness.store.machine_fingerprint import circumstances, fingerprint
-from plumbline.harness.store.record import Measurement, Record, Sample, Status
+from plumbline.harness.store.record import Measurement, Record, Sample, Status, Timing
 from plumbline.harness.store.seal import sealed_json, sealed_toml
 from plumbline.harness.store.store import write_json
 from plumbline.harness.store.stored_tables import in_order, write_tables
@@ -77,7 +77,7 @@ def _answer(trial: Trial, case: Case) -> Record:
         )
     cost = (1 + 9 * _share(trial.case, trial.engine)) * 1e-5 / dt
     timed = trial.experiment.timing and trial.experiment.limit is None
-    clock: dict[str, Any] = {"rough_cost": cost, "rough_ratio": cost}
+    clock: dict[str, Any] = {"rough_cost": cost, "rough_ratio": cost, "timing": None}
     if timed:
         samples = [
             Sample(
@@ -92,9 +92,9 @@ def _answer(trial: Trial, case: Case) -> Record:
             for k in range(trial.experiment.samples)
         ]
         prices = {"cpu_per_sim_s": cost, "cpu_low": 0.98 * cost, "cpu_high": 1.03 * cost, "wall_per_sim_s": 1.01 * cost}
-        clock |= prices | {"unit": "step", "cpu_per_unit": cost * dt, "cpu_per_unit_low": 0.98 * cost * dt}
-        clock |= {"cpu_per_unit_high": 1.03 * cost * dt, "realtime_factor": 1 / cost, "unstable_timing": False}
-        clock["samples"] = tuple(samples)
+        prices |= {"cpu_per_unit": cost * dt, "cpu_per_unit_low": 0.98 * cost * dt, "cpu_per_unit_high": 1.03 * cost * dt}
+        prices |= {"realtime_factor": 1 / cost}
+        clock["timing"] = Timing(trial=trial.trial, unit="step", unstable_timing=False, samples=tuple(samples), **prices)
     return replace(
         outcome(trial, "failed" if failed else "passed", f"made: {', '.join(failed)}" if failed else "every check holds"),
         resolved=trial.settings.plain(),

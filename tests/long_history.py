@@ -72,13 +72,13 @@ def _copied(model: Night, other: Night, rng: np.random.Generator) -> None:
 
 def _times(record: Record, factor: float, slow: float) -> Record:
     """The record, so many times as dear on a machine that is so much slower."""
-    if record.cpu_per_unit is None:
+    if record.timing is None or record.timing.cpu_per_unit is None:
         return record
     scaled: dict[str, Any] = {
-        name: factor * float(getattr(record, name)) for name in ("cpu_per_unit", "cpu_per_unit_low", "cpu_per_unit_high")
+        name: factor * float(getattr(record.timing, name)) for name in ("cpu_per_unit", "cpu_per_unit_low", "cpu_per_unit_high")
     }
-    samples = tuple(replace(s, cpu=factor * s.cpu, wall=factor * s.wall, canary=slow * s.canary) for s in record.samples)
-    return replace(record, samples=samples, **scaled)
+    samples = tuple(replace(s, cpu=factor * s.cpu, wall=factor * s.wall, canary=slow * s.canary) for s in record.timing.samples)
+    return replace(record, timing=replace(record.timing, samples=samples, **scaled))
 
 
 def main() -> None:

@@ -33,4 +33,4 @@ def compiled_here(text: Prepared, file: str) -> Model:
     look_for_misspelt(text, mjcf_compiler.schema())
     archive = io.BytesIO()
     np.savez(archive, allow_pickle=False, **kept)
-    return model_of(archive.getvalue())
+    return model_of(archive.getvalue(), file)

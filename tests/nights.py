@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -27,7 +28,7 @@ from plumbline.harness.study.study import Study
 from plumbline.harness.study.trial import Trial
 from plumbline.harness.trajectory import Floats
 from plumbline.harness.trial import accuracy, answer, ensemble
-from plumbline.harness.trial.accuracy import run_trial
+from plumbline.harness.trial.accuracy import judged_anew, run_trial
 from plumbline.harness.trial.answer import RunAnswer
 from plumbline.harness.trial.ensemble import endure
 from plumbline.harness.trial.truth_cache import truth_of
@@ -148,19 +149,29 @@ def _truth_of(case: Case, scene: Scene, time: Floats, parameters: Mapping[str, A
     return _TRUE[key]
 
 
+def _unedited(case: Case) -> Case:
+    return case
+
+
 @contextmanager
-def planted(fault: Fault = NONE) -> Iterator[list[str]]:
+def planted(fault: Fault = NONE, judges: Callable[[Case], Case] = _unedited) -> Iterator[list[str]]:
     """Run nights in this process with a fault in one engine; steps cost the same under all settings. Gives: the names of the
-    trials that are computed."""
+    trials that are computed. Args: judges: how what judges answers was edited."""
     computed: list[str] = []
 
-    def answers(trials: Sequence[Trial], folder: Path, _workers: int, **_known: object) -> Iterator[Record]:
+    def answers(
+        trials: Sequence[Trial], folder: Path, _workers: int, earlier: Mapping[str, Record] = MappingProxyType({})
+    ) -> Iterator[Record]:
         for trial in trials:
+            case, known = judges(plugins.case(trial.case)), earlier.get(trial.trial)
+            if known is not None and (anew := judged_anew(trial, case, known, folder)) is not None:
+                yield replace(anew, simulated_as=known.simulated_as or known.trial)
+                continue
             adapter = plugins.adapter(trial.engine)
             faulty: Any = _Faulty(adapter, fault) if trial.engine == fault.engine else adapter
             computed.append(trial.trial)
             answer = endure if trial.members > 1 else run_trial
-            record = answer(trial, plugins.case(trial.case), faulty, folder)
+            record = answer(trial, case, faulty, folder)
             yield replace(record, rough_cost=1e-5 / trial.settings.dt) if trial.experiment.sweep else record
 
     def blocks(trial: Trial) -> list[float]:
@@ -172,6 +183,7 @@ def planted(fault: Fault = NONE) -> Iterator[list[str]]:
     def sources(case: str, engine: str) -> dict[str, str]:
         said = dict(plain(case, engine))
         text = f"{said['adapter']} {fault.scene.__name__} {fault.state.__name__} {fault.price}"
+        said["harness"] += "" if judges is _unedited else judges.__name__
         return said | ({"adapter": text} if fault.known and engine == fault.engine else {})
 
     with pytest.MonkeyPatch.context() as patch:

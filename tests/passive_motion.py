@@ -4,7 +4,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from plumbline.harness.scene.importers.poses import Array, Pose
-from plumbline.harness.scene.parity.facts import RobotFacts
+from plumbline.harness.scene.parity.canonical import Canonical
 from plumbline.harness.scene.parity.motion import Configuration, first_rates, passive
 
 RTOL = 1e-9
@@ -14,7 +14,7 @@ def _hat(v: Array) -> Array:
     return np.cross(np.eye(3), v)
 
 
-def after(robot: RobotFacts, start: Configuration, gravity: Array, duration: float = 1.0) -> Configuration:
+def after(robot: Canonical, start: Configuration, gravity: Array, duration: float = 1.0) -> Configuration:
     """Where the robot is after so long [s]."""
     turning = [k for k, joint in enumerate(robot.joints) if joint.kind in ("ball", "free")]
     count, starts = len(robot.joints), first_rates(robot)

@@ -9,7 +9,7 @@ import numpy as np
 
 from plumbline.harness.history.folder import History, created, stamp_of
 from plumbline.harness.store.journal import Journal
-from plumbline.harness.store.record import Measurement, Record, Sample, digest
+from plumbline.harness.store.record import Measurement, Record, Sample, Timing, digest
 from plumbline.harness.store.store import write_json
 from tests.run_folder import ENGINES, catalogue
 
@@ -47,7 +47,7 @@ def _records(cases: dict[str, dict[str, object]], rng: np.random.Generator, slow
             Record(
                 trial=digest([case, engine, track]), study="few", experiment="look", case=case, parameters={}, engine=engine,
                 engine_version="1.0", track=track, dt=1 / 240, settings={"dt": 1 / 240}, status="passed", reason="passed",
-                trajectory_hash=digest(["hash", case, engine, track]), base=track, unit="step", unstable_timing=False,
+                trajectory_hash=digest(["hash", case, engine, track]), base=track,
                 measurements=(Measurement(metric=str(cases[case]["headline"]), value=1e-3, unit="m", at_most=0.01),),
             ),
             ENGINES[engine][4] / 240 * slow * float(np.exp(rng.normal(0, NOISE))),
@@ -61,18 +61,11 @@ def _records(cases: dict[str, dict[str, object]], rng: np.random.Generator, slow
 
 def priced(record: Record, cost: float, canary: float) -> Record:
     """The record with a price [s] of a step, and the canary [s] beside it."""
+    timing = record.timing or Timing(trial=record.trial, unit="step", unstable_timing=False)
+    run = 500 if timing.clocked else 0
     samples = tuple(
-        Sample(
-            process=0,
-            block=k,
-            steps=500,
-            cpu=500 * cost,
-            wall=500 * cost,
-            canary=canary,
-            switches=0,
-            run=500 if record.clocked else 0,
-        )
+        Sample(process=0, block=k, steps=500, cpu=500 * cost, wall=500 * cost, canary=canary, switches=0, run=run)
         for k in range(SAMPLES)
     )
     bounds = {"cpu_per_unit": cost, "cpu_per_unit_low": 0.98 * cost, "cpu_per_unit_high": 1.02 * cost}
-    return replace(record, samples=samples, **bounds)
+    return replace(record, timing=replace(timing, samples=samples, **bounds))

@@ -3,7 +3,7 @@
 import numpy as np
 
 from plumbline.adapters.bullet.bodies_made import Assembly
-from plumbline.harness.adapter.joint_reactions import about_the_anchor, turned_back
+from plumbline.harness.adapter.joints import about_the_anchor, turned_back
 from plumbline.harness.scene import Joint, Prismatic, Revolute, Scene
 from plumbline.harness.trajectory import Floats, State
 from plumbline.harness.trajectory.kinematics import conjugate, product, rotate, rotate_back

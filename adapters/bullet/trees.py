@@ -10,9 +10,8 @@ from plumbline.adapters.bullet.frames import matrices, xyzw
 from plumbline.harness.adapter import Unsupported
 from plumbline.harness.adapter.between import on_massless
 from plumbline.harness.adapter.carried_laws import carried, followed
-from plumbline.harness.adapter.disjoint_sets import DisjointSets
 from plumbline.harness.adapter.fast_rotors import fast_rotors
-from plumbline.harness.adapter.spanning_forest import spanning_forest
+from plumbline.harness.adapter.spanning_forest import DisjointSets, spanning_forest
 from plumbline.harness.scene import WORLD, Ball, Effect, Fixed, Joint, Revolute, Scene, Vector3
 
 

@@ -9,8 +9,8 @@ import numpy as np
 from plumbline.adapters.dart.vendor import load as dart_module
 from plumbline.adapters.dart.vendor import overheard
 from plumbline.harness.adapter import Unsupported
-from plumbline.harness.scene.parity.facts import FIXED, JointFacts, Law
-from plumbline.harness.scene.parity.loaded import Loaded, LoadedLink, Own, Request, gathered, matrix_gap, own_values
+from plumbline.harness.scene.importers.robot import Coordinate, Link, Tie
+from plumbline.harness.scene.parity.loaded import Loaded, Own, Request, matrix_gap, own_values, read_back, solid_of
 
 _KINDS = {"RevoluteJoint": "revolute", "PrismaticJoint": "prismatic", "BallJoint": "ball", "FreeJoint": "free"}
 _SIDES = ("x", "y", "angle")
@@ -29,20 +29,17 @@ def load(path: Path, request: Request) -> Loaded:
     if not skeletons:
         reader = "DartLoader" if kind == ".urdf" else "MjcfParser"
         raise Unsupported("the file", f"{reader} refuses it: {' '.join(heard)[:300]}")
-    links, laws = [], []
+    links = []
     for skeleton in skeletons:
         skeleton.setPositions(np.zeros(skeleton.getNumDofs()))
         for k in range(skeleton.getNumBodyNodes()):
             node = skeleton.getBodyNode(k)
-            joint = node.getParentJoint()
-            if "MIMIC" in str(joint.getActuatorType()).upper():
-                laws.append(Law(kind="mimic", name=joint.getName()))  # dartpy does not tell what it follows
-            links.append(_link(node, joint))
-    facts = gathered("DART", links, tuple(laws))
+            links.append(_link(node, node.getParentJoint()))
+    robot = read_back("DART", links)
     skeleton = max(skeletons, key=lambda candidate: candidate.getNumDofs())
     own = tuple(_own(skeletons))
     if sum(candidate.getNumDofs() > 0 for candidate in skeletons) > 1:
-        return Loaded(facts=facts, own=own)
+        return Loaded(robot=robot, own=own)
     places: dict[str, int] = {}
     for joint in map(skeleton.getJoint, range(skeleton.getNumJoints())):
         names = [f"{joint.getName()}.{side}" for side in _SIDES] if joint.getType() == "PlanarJoint" else [joint.getName()]
@@ -57,7 +54,7 @@ def load(path: Path, request: Request) -> Loaded:
         order = [places[name] for name in q]
         return np.array(skeleton.getMassMatrix())[np.ix_(order, order)]
 
-    return Loaded(facts=facts, matrix_gap=matrix_gap(facts, matrix), own=own)
+    return Loaded(robot=robot, matrix_gap=matrix_gap(robot, matrix), own=own)
 
 
 def _own(skeletons: list[Any]) -> Iterator[Own]:
@@ -86,33 +83,31 @@ def _of_mjcf(dart: Any, path: Path) -> list[Any]:
     return [skeleton for skeleton in made if not skeleton.getName().startswith("__")]
 
 
-def _link(node: Any, joint: Any) -> LoadedLink:
+def _link(node: Any, joint: Any) -> Link:
     X, parent = node.getWorldTransform(), node.getParentBodyNode()
     R, inertia = np.array(X.rotation()), node.getInertia()
-    return LoadedLink(
+    centre = R @ np.array(inertia.getLocalCOM()) + np.array(X.translation())
+    return Link(
         name=node.getName(),
         parent=None if parent is None else parent.getName(),
-        joints=()
+        coordinates=()
         if joint.getNumDofs() == 0
         else _planar(joint, X)
         if joint.getType() == "PlanarJoint"
         else (_joint(joint, X),),
-        mass=float(inertia.getMass()),
-        centre=R @ np.array(inertia.getLocalCOM()) + np.array(X.translation()),
-        inertia=R @ np.array(inertia.getMoment()) @ R.T,
+        solid=solid_of(float(inertia.getMass()), centre, R @ np.array(inertia.getMoment()) @ R.T),
     )
 
 
-def _planar(joint: Any, X: Any) -> tuple[JointFacts, ...]:
+def _planar(joint: Any, X: Any) -> tuple[Coordinate, ...]:
     """Two slides and a hinge, which share the joint's damping one by one."""
     within = joint.getTransformFromChildBodyNode()
     R, anchor = np.array(X.rotation()) @ np.array(within.rotation()), np.array(X.rotation()) @ np.array(within.translation())
     along = (joint.getTranslationalAxis1(), joint.getTranslationalAxis2(), joint.getRotationalAxis())
     return tuple(
-        JointFacts(
+        Coordinate(
             name=f"{joint.getName()}.{side}",
             kind="revolute" if side == "angle" else "prismatic",
-            parent=FIXED,
             axis=R @ np.array(axis).ravel(),
             anchor=anchor + np.array(X.translation()),
             damping=float(joint.getDampingCoefficient(k)),
@@ -123,7 +118,7 @@ def _planar(joint: Any, X: Any) -> tuple[JointFacts, ...]:
     )
 
 
-def _joint(joint: Any, X: Any) -> JointFacts:
+def _joint(joint: Any, X: Any) -> Coordinate:
     kind = _KINDS.get(joint.getType())
     if kind is None:
         raise Unsupported(f"joint '{joint.getName()}'", f"DartLoader made it a {joint.getType()}")
@@ -134,10 +129,9 @@ def _joint(joint: Any, X: Any) -> JointFacts:
     lower, upper = float(joint.getPositionLowerLimit(0)), float(joint.getPositionUpperLimit(0))
     scalar_limits = scalar and joint.areLimitsEnforced()
     effort, speed = float(joint.getForceUpperLimit(0)), float(joint.getVelocityUpperLimit(0))
-    return JointFacts(
+    return Coordinate(
         name=joint.getName(),
         kind=kind,  # type: ignore[arg-type]
-        parent=FIXED,
         axis=axis,
         anchor=R @ np.array(within.translation()) + np.array(X.translation()),
         lower=lower if scalar_limits and np.isfinite(lower) else None,
@@ -148,4 +142,6 @@ def _joint(joint: Any, X: Any) -> JointFacts:
         friction_loss=float(joint.getCoulombFriction(0)),
         effort=effort if np.isfinite(effort) and effort > 0 else None,
         speed=speed if np.isfinite(speed) and speed > 0 else None,
+        # dartpy does not tell what it follows
+        tie=Tie(joint="", ratio=1.0) if "MIMIC" in str(joint.getActuatorType()).upper() else None,
     )

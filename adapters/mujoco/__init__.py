@@ -87,7 +87,7 @@ from plumbline.harness.scene import Effect, Scene
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from plumbline.harness.scene.parity.facts import RobotFacts
+    from plumbline.harness.scene.parity.canonical import Canonical
     from plumbline.harness.scene.parity.loaded import Loaded, Request
     from plumbline.harness.scene.parity.parting import Motion
     from plumbline.harness.trajectory import Floats
@@ -111,7 +111,7 @@ class MujocoAdapter(Adapter):
             raise Unsupported(f"loader {request.way!r}", "there is one alone")
         return load(path, request)
 
-    def move_robot(self, robot: "RobotFacts", motion: "Motion") -> "Floats":
+    def move_robot(self, robot: "Canonical", motion: "Motion") -> "Floats":
         """The positions of a robot of facts that torques move. Raises: Unsupported, Unavailable."""
         from plumbline.adapters.mujoco.robot_motion import moved
 

@@ -1,7 +1,6 @@
 """What MuJoCo's own compiler makes of a robot file: URDF or MJCF, read back from the compiled model at qpos = 0."""
 
 import os
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -9,16 +8,17 @@ import numpy as np
 
 from plumbline.adapters.mujoco.vendor import mujoco_module
 from plumbline.harness.adapter import Unsupported
-from plumbline.harness.scene.parity.facts import FIXED, JointFacts, Law
+from plumbline.harness.scene import WORLD
+from plumbline.harness.scene.importers.robot import Closure, Coordinate, Link, Need, Tie
 from plumbline.harness.scene.parity.loaded import (
     Loaded,
-    LoadedLink,
     Own,
     Request,
-    gathered,
     in_packages,
     matrix_gap,
     own_values,
+    read_back,
+    solid_of,
 )
 
 
@@ -51,9 +51,9 @@ def load(path: Path, request: Request) -> Loaded:
         free = model.jnt_type[k] == mj.mjtJoint.mjJNT_FREE
         data.qpos[model.jnt_qposadr[k] + (3 if free else 0)] = 1.0
     mj.mj_kinematics(model, data)
-    laws = tuple(_laws(mj, model, data))
-    links = [_link(mj, model, data, k) for k in range(1, model.nbody)]
-    facts = gathered(f"MuJoCo {mj.__version__}", links, laws, frozenset({"speed"}))
+    ties, closures, needs = _equalities(mj, model, data)
+    links = [Link(name=WORLD, parent=None), *(_link(mj, model, data, k, ties) for k in range(1, model.nbody))]
+    robot = read_back(f"MuJoCo {mj.__version__}", links, closures, needs, wordless="speed")
 
     number = {_joint_name(model, j): j for j in range(model.njnt)}
 
@@ -69,7 +69,7 @@ def load(path: Path, request: Request) -> Loaded:
         order = [int(model.jnt_dofadr[number[name]]) for name in q]
         return full[np.ix_(order, order)]
 
-    return Loaded(facts=facts, matrix_gap=matrix_gap(facts, matrix), notes=notes, own=_own(model))
+    return Loaded(robot=robot, matrix_gap=matrix_gap(robot, matrix), notes=notes, own=_own(model))
 
 
 def _own(model: Any) -> tuple[Own, ...]:
@@ -96,17 +96,18 @@ def _compiled(spec: Any, request: Request) -> Any:
     return spec.compile()
 
 
-def _laws(mj: Any, model: Any, data: Any) -> Iterator[Law]:
-    """Equalities that are active from the start, with their numbers in W."""
+def _equalities(mj: Any, model: Any, data: Any) -> tuple[dict[int, Tie], list[Closure], tuple[Need, ...]]:
+    """Those that are active from the start: ties by joint, loops with their points in W, and others by name."""
+    ties, closures, others = dict[int, Tie](), list[Closure](), list[str]()
     if model.opt.disableflags & mj.mjtDisableBit.mjDSBL_EQUALITY:
-        return
+        return ties, closures, ()
     for k in np.flatnonzero(data.eq_active):
         kind, name = mj.mjtEq(int(model.eq_type[k])), model.equality(int(k)).name or f"equality_{k}"
         a, b, numbers = int(model.eq_obj1id[k]), int(model.eq_obj2id[k]), model.eq_data[k]
         if kind == mj.mjtEq.mjEQ_JOINT and b >= 0 and not numbers[2:5].any():
             start_a, start_b = (float(model.qpos0[model.jnt_qposadr[j]]) for j in (a, b))
             ratio, offset = float(numbers[1]), start_a + float(numbers[0]) - float(numbers[1]) * start_b
-            yield Law(kind="mimic", name=_joint_name(model, a), partners=(_joint_name(model, b),), ratio=ratio, offset=offset)
+            ties[a] = Tie(joint=_joint_name(model, b), ratio=ratio, offset=offset)
         elif kind in (mj.mjtEq.mjEQ_CONNECT, mj.mjtEq.mjEQ_WELD):
             weld = kind == mj.mjtEq.mjEQ_WELD
             if model.eq_objtype[k] == mj.mjtObj.mjOBJ_SITE:
@@ -114,11 +115,20 @@ def _laws(mj: Any, model: Any, data: Any) -> Iterator[Law]:
             else:
                 bodies, own = [a, b], (numbers[3:6], numbers[:3]) if weld else (numbers[:3], numbers[3:6])
                 points = [data.xpos[body] + data.xmat[body].reshape(3, 3) @ p for body, p in zip(bodies, own, strict=True)]
-            p_A, p_B = (tuple(float(x) for x in p) for p in points)
-            sides = tuple(_mover(model, body) for body in bodies)
-            yield Law(kind="closure", name=name, partners=sides, points=(p_A, p_B), whole=weld)  # type: ignore[arg-type]
+            links = [_body_name(model, body) for body in bodies]
+            closure = Closure(
+                name=name, kind="fixed" if weld else "ball", link_A=links[0], link_B=links[1], anchor_A=points[0],
+                anchor_B=points[1],
+            )  # fmt: skip
+            closures.append(closure)
         else:
-            yield Law(kind="equality", name=name)
+            others.append(name)
+    return ties, closures, (Need(kind="equality", element="equality", names=tuple(others)),) if others else ()
+
+
+def _body_name(model: Any, k: int) -> str:
+    name: str = model.body(k).name or f"body_{k}"
+    return WORLD if k == 0 else name
 
 
 _PLANAR = {"_TX": ".x", "_TY": ".y", "_RZ": ".angle"}
@@ -133,15 +143,6 @@ def _joint_name(model: Any, j: int) -> str:
     if count == len(_PLANAR) and beside == [f"{beside[0][:-3]}{ending}" for ending in _PLANAR]:
         return name[:-3] + _PLANAR[name[-3:]]
     return name
-
-
-def _mover(model: Any, body: int) -> str:
-    """The joint that moves a body; that of the world is FIXED."""
-    while body > 0:
-        if model.body_jntnum[body]:
-            return _joint_name(model, int(model.body_jntadr[body] + model.body_jntnum[body] - 1))
-        body = int(model.body_parentid[body])
-    return FIXED
 
 
 def _without_shapes(text: str) -> str | None:
@@ -161,28 +162,24 @@ def _without_shapes(text: str) -> str | None:
     return bare
 
 
-def _link(mj: Any, model: Any, data: Any, k: int) -> LoadedLink:
-    R = data.ximat[k].reshape(3, 3)
-    first, parent = int(model.body_jntadr[k]), int(model.body_parentid[k])
-    return LoadedLink(
-        name=model.body(k).name or f"body_{k}",
-        parent=None if parent == 0 else model.body(parent).name or f"body_{parent}",
-        joints=tuple(_joint(mj, model, data, first + j) for j in range(int(model.body_jntnum[k]))),
-        mass=float(model.body_mass[k]),
-        centre=data.xipos[k].copy(),
-        inertia=R @ np.diag(model.body_inertia[k]) @ R.T,
+def _link(mj: Any, model: Any, data: Any, k: int, ties: dict[int, Tie]) -> Link:
+    R, first = data.ximat[k].reshape(3, 3), int(model.body_jntadr[k])
+    return Link(
+        name=_body_name(model, k),
+        parent=_body_name(model, int(model.body_parentid[k])),
+        coordinates=tuple(_joint(mj, model, data, first + j, ties) for j in range(int(model.body_jntnum[k]))),
+        solid=solid_of(float(model.body_mass[k]), data.xipos[k].copy(), R @ np.diag(model.body_inertia[k]) @ R.T),
     )
 
 
-def _joint(mj: Any, model: Any, data: Any, j: int) -> JointFacts:
+def _joint(mj: Any, model: Any, data: Any, j: int, ties: dict[int, Tie]) -> Coordinate:
     dof = int(model.jnt_dofadr[j])
     kinds = {mj.mjtJoint.mjJNT_FREE: "free", mj.mjtJoint.mjJNT_BALL: "ball", mj.mjtJoint.mjJNT_SLIDE: "prismatic"}
     limited = bool(model.jnt_limited[j])
     stiffness = float(np.max(model.jnt_stiffness[j]))
-    return JointFacts(
+    return Coordinate(
         name=_joint_name(model, j),
         kind=kinds.get(mj.mjtJoint(int(model.jnt_type[j])), "revolute"),  # type: ignore[arg-type]
-        parent=FIXED,
         axis=data.xaxis[j].copy(),
         anchor=data.xanchor[j].copy(),
         lower=float(model.jnt_range[j, 0]) if limited else None,
@@ -193,4 +190,5 @@ def _joint(mj: Any, model: Any, data: Any, j: int) -> JointFacts:
         armature=float(model.dof_armature[dof]),
         friction_loss=float(model.dof_frictionloss[dof]),
         effort=float(np.abs(model.jnt_actfrcrange[j]).max()) if model.jnt_actfrclimited[j] else None,
+        tie=ties.get(j),
     )

@@ -1,4 +1,4 @@
-"""A robot of facts moved by torques in MuJoCo: every body's frame is W's at zero positions, and there are no shapes.
+"""A robot in canonical form moved by torques in MuJoCo: every body's frame is W's at zero positions, and there are no shapes.
 
 Joint limits, dry friction, bounds of effort, mimics and points that loops close at are in it; loops that hold all are not.
 """
@@ -9,29 +9,36 @@ import numpy as np
 
 from plumbline.adapters.mujoco.vendor import mujoco_module
 from plumbline.harness.adapter import Unsupported
-from plumbline.harness.scene.parity.facts import FIXED, JointFacts, Law, MassFacts, RobotFacts
+from plumbline.harness.scene.importers.robot import Closure, Coordinate, Solid
+from plumbline.harness.scene.parity.canonical import FIXED, SCALAR, Canonical
 from plumbline.harness.scene.parity.parting import DT, Motion
 from plumbline.harness.trajectory import Floats
 
 
-def moved(robot: RobotFacts, motion: Motion) -> Floats:
+def moved(robot: Canonical, motion: Motion) -> Floats:
     """Positions (samples, joints, 4): the coordinate and zeros, or a ball's or free joint's quaternion. Raises: Unsupported."""
     mj = mujoco_module()
     spec = mj.MjSpec()
     spec.option.timestep, spec.option.gravity = DT, motion.gravity
     spec.option.integrator = mj.mjtIntegrator.mjINT_IMPLICITFAST
     bodies: dict[str, Any] = {FIXED: spec.worldbody}
-    for joint in robot.joints:
-        body = bodies[joint.name] = bodies[joint.parent].add_body(name=f"body {joint.name}")
+    for link in robot.moving:
+        joint = link.coordinate
+        body = bodies[joint.name] = bodies[link.parent or FIXED].add_body(name=f"body {joint.name}")
         _add_joint(mj, body, joint)
-        solid = robot.masses.get(joint.name)
-        if solid is not None and solid.mass > 0:
-            _weigh(body, solid)
-        if joint.kind in ("revolute", "prismatic"):
+        if link.solid is not None and link.solid.mass > 0:
+            _weigh(body, link.solid)
+        if joint.kind in SCALAR:
             motor = spec.add_actuator(name=joint.name, trntype=mj.mjtTrn.mjTRN_JOINT, target=joint.name)
             motor.set_to_motor()
-    for number, law in enumerate(robot.laws):
-        _bind(mj, spec, bodies, law, number)
+    for joint in robot.joints:
+        if joint.tie is not None and joint.tie.joint:
+            kinds = {"type": mj.mjtEq.mjEQ_JOINT, "objtype": mj.mjtObj.mjOBJ_JOINT}
+            tie = spec.add_equality(name1=joint.name, name2=joint.tie.joint, **kinds)
+            tie.data[0], tie.data[1] = joint.tie.offset, joint.tie.ratio
+    for number, closure in enumerate(robot.closures):
+        if closure.kind == "ball":
+            _bind(mj, spec, bodies, closure, number)
     try:
         model = spec.compile()
     except ValueError as error:
@@ -39,7 +46,7 @@ def moved(robot: RobotFacts, motion: Motion) -> Floats:
     return _stepped(mj, model, robot, motion)
 
 
-def _add_joint(mj: Any, body: Any, joint: JointFacts) -> None:
+def _add_joint(mj: Any, body: Any, joint: Coordinate) -> None:
     kinds = {"revolute": mj.mjtJoint.mjJNT_HINGE, "prismatic": mj.mjtJoint.mjJNT_SLIDE, "ball": mj.mjtJoint.mjJNT_BALL}
     if joint.kind == "free":
         body.add_freejoint(name=joint.name)
@@ -54,37 +61,32 @@ def _add_joint(mj: Any, body: Any, joint: JointFacts) -> None:
         made.actfrclimited, made.actfrcrange = mj.mjtLimited.mjLIMITED_TRUE, (-joint.effort, joint.effort)
 
 
-def _weigh(body: Any, solid: MassFacts) -> None:
+def _weigh(body: Any, solid: Solid) -> None:
     body.explicitinertial, body.mass, body.ipos = True, solid.mass, solid.centre
+    assert solid.inertia is not None
     t = solid.inertia
     body.fullinertia = (t[0, 0], t[1, 1], t[2, 2], t[0, 1], t[0, 2], t[1, 2])
 
 
-def _bind(mj: Any, spec: Any, bodies: dict[str, Any], law: Law, place: int) -> None:
-    if law.kind == "mimic" and law.ratio is not None:
-        tie = spec.add_equality(type=mj.mjtEq.mjEQ_JOINT, objtype=mj.mjtObj.mjOBJ_JOINT, name1=law.name, name2=law.partners[0])
-        tie.data[0], tie.data[1] = law.offset or 0.0, law.ratio
-    elif law.kind == "closure" and law.points is not None and not law.whole:
-        for side, joint, point in zip("AB", law.partners, law.points, strict=True):
-            bodies[joint].add_site(name=f"loop {place} {side}", pos=point)
-        names = {"name1": f"loop {place} A", "name2": f"loop {place} B"}
-        spec.add_equality(type=mj.mjtEq.mjEQ_CONNECT, objtype=mj.mjtObj.mjOBJ_SITE, **names)
+def _bind(mj: Any, spec: Any, bodies: dict[str, Any], closure: Closure, place: int) -> None:
+    bodies[closure.link_A].add_site(name=f"loop {place} A", pos=closure.anchor_A)
+    bodies[closure.link_B].add_site(name=f"loop {place} B", pos=closure.anchor_B)
+    names = {"name1": f"loop {place} A", "name2": f"loop {place} B"}
+    spec.add_equality(type=mj.mjtEq.mjEQ_CONNECT, objtype=mj.mjtObj.mjOBJ_SITE, **names)
 
 
-def _stepped(mj: Any, model: Any, robot: RobotFacts, motion: Motion) -> Floats:
+def _stepped(mj: Any, model: Any, robot: Canonical, motion: Motion) -> Floats:
     scene = mj.MjData(model)
     joints = [(k, joint.kind, int(model.joint(joint.name).qposadr[0])) for k, joint in enumerate(robot.joints)]
     for k, kind, at in joints:
-        if kind in ("revolute", "prismatic"):
+        if kind in SCALAR:
             scene.qpos[at] = motion.start[k]
-    drives = [
-        (model.actuator(joint.name).id, k) for k, joint in enumerate(robot.joints) if joint.kind in ("revolute", "prismatic")
-    ]
+    drives = [(model.actuator(joint.name).id, k) for k, joint in enumerate(robot.joints) if joint.kind in SCALAR]
     motors, columns = (np.array(side, dtype=np.int64) for side in (zip(*drives, strict=True) if drives else ((), ())))
     kept = np.zeros((len(motion.torques) + 1, len(robot.joints), 4))
     for sample in range(len(kept)):
         for k, kind, at in joints:
-            if kind in ("revolute", "prismatic"):
+            if kind in SCALAR:
                 kept[sample, k, 0] = scene.qpos[at]
             else:
                 first = at + 3 if kind == "free" else at

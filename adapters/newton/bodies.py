@@ -34,6 +34,10 @@ from plumbline.harness.scene import (
 WORLD_BODY = -1
 """Newton's number of the world."""
 
+SOFT_AS_ITS_CONTACT = -1.0
+"""Newton's kf, a gain of friction [N s/m], below 0: friction gives way by the time constant of its contact. At the vendor's
+1000 it is held at 2 ms for 1 kg under elliptic cones and Newton's own collisions, and what slides at 3 m/s hops by 36 mm."""
+
 
 @dataclass(slots=True)
 class Bodies:
@@ -94,6 +98,7 @@ class Bodies:
             mu_rolling=0.0,
             ke=ke,
             kd=kd,
+            kf=SOFT_AS_ITS_CONTACT,
             has_shape_collision=touches,
             has_particle_collision=False,
             collision_filter_parent=False,

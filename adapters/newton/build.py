@@ -152,6 +152,7 @@ def _solver(vendor: Vendor, model: Any, used: Settings, effects: Effect, room: t
         cone=options["cone"],
         impratio=options["impratio"],
         use_mujoco_contacts=options["contacts"] == "mujoco" or Effect.CONTACT not in effects,
+        enable_multiccd=options["multiccd"],
         disable_contacts=Effect.CONTACT not in effects,
         nconmax=room[0] or None,
         njmax=room[1],

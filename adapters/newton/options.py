@@ -13,6 +13,7 @@ INTEGRATORS = {"mujoco": ("implicitfast", "euler", "rk4"), "xpbd": ("semi_implic
 ITERATIONS = {"mujoco": 100, "xpbd": 2}
 KNOWN: Mapping[str, Sequence[Any] | Between] = {
     "contacts": ("mujoco", "newton"),
+    "multiccd": (True, False),
     "cone": ("pyramidal", "elliptic"),
     "impratio": Between(1.0, 1e4),
     "contact_steps": Between(0.5, 1e4),
@@ -23,13 +24,15 @@ KNOWN: Mapping[str, Sequence[Any] | Between] = {
     "contact_weighting": (True, False),
     "restitution_iterations": (1, 2, 4, 8, 16),
 }
-"""contacts: who finds those that MuJoCo-Warp solves. cone, impratio: of its friction. contact_steps: the time constant of its
-contacts in steps, at most the vendor's; contact_damping_ratio, contact_impedance: of them. limit_steps: of its joint limits.
-contact_relaxation, contact_weighting: the share of each contact's correction that XPBD takes, and whether it is divided by the
-contacts of a body. restitution_iterations: of XPBD."""
+"""contacts: who finds those that MuJoCo-Warp solves. multiccd: does it look for up to four of its own in each pair. cone,
+impratio: of its friction. contact_steps: the time constant of its contacts in steps, at most the vendor's;
+contact_damping_ratio, contact_impedance: of them. limit_steps: of its joint limits. contact_relaxation, contact_weighting:
+the share of each contact's correction that XPBD takes, and whether it is divided by the contacts of a body.
+restitution_iterations: of XPBD."""
 _VENDOR: Mapping[str, Mapping[str, Any]] = {
     "mujoco": {
         "contacts": "mujoco",
+        "multiccd": False,
         "cone": "pyramidal",
         "impratio": 1.0,
         "contact_steps": None,

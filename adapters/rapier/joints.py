@@ -23,6 +23,8 @@ from plumbline.harness.scene import (
 
 OPEN = 3e38
 """A way [m] that single precision just holds."""
+GAP = 0.25
+"""Between the stops of a hinge that counts its angle modulo a turn [rad]: who passes it in a step is pulled to the other."""
 ROD = 1e9
 """Stiffness [N/m] of a rod: Rapier's joint between two points is a spring."""
 
@@ -105,11 +107,13 @@ def _with_motor(rapier: Any, builder: Any, axis: Any, motor: Motor) -> Any:
 
 
 def of_reduced_alone(joint: Joint, effects: Effect) -> bool:
-    """Does Rapier have it in reduced coordinates alone? It has a rotor, or limits or a target beyond a turn."""
+    """Does Rapier have it in reduced coordinates alone? It has a rotor, one limit, or limits or a target beyond a turn."""
     if "armature" in carried(joint):
         return True
     if not isinstance(joint, Revolute):
         return False
+    if joint.limits is not None and (joint.limits.lower is None) != (joint.limits.upper is None):
+        return True
     try:
         for motor in motors_of(joint, effects):
             check_target(joint.name, motor.stiffness > 0, motor.target)
@@ -135,7 +139,7 @@ def _range(joint: Revolute | Prismatic, wraps: bool) -> tuple[float, float]:
     lower, upper = (None if x is None else x - joint.position for x in (joint.limits.lower, joint.limits.upper))
     if not wraps:
         return -OPEN if lower is None else lower, OPEN if upper is None else upper
-    turn = 2 * math.pi - 1e-3
+    turn = 2 * math.pi - GAP
     low = lower if lower is not None else (upper or 0.0) - turn
     high = upper if upper is not None else low + turn
     if not (high - low <= turn and low > -turn and high < turn):

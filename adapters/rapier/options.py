@@ -15,6 +15,7 @@ JOINTS = ("impulse", "multibody")
 KNOWN: Mapping[str, Sequence[Any] | Between] = {
     "sleeping": (True, False),
     "friction_model": FRICTION,
+    "friction_in_bias": (True, False),
     "contact_rate": Between(1e-3, 1.0),
     "recycling": (True, False),
     "clustering": (True, False),
@@ -25,15 +26,17 @@ KNOWN: Mapping[str, Sequence[Any] | Between] = {
     "on_path": (True, False),
     "by_scene": (True, False),
 }
-"""sleeping: do bodies sleep. contact_rate: natural frequency of contacts over the rate of sub-steps. recycling, clustering: of
-contact points. capped: speeds at 400 m/s, turns at 45 degrees a step, as the vendor has them. soft_ccd: predict contacts as
-far as a body moves in a step, where the scene calls for continuous collision. inner_edges: do the inner edges of meshes push
-bodies that slide over them. joints: as constraints between free bodies, or trees of them in reduced coordinates. on_path: are
-bodies that are led put back on their path before each step. by_scene: BUSY sub-steps, where the settings leave them open, in
-scenes with contacts or joints."""
+"""sleeping: do bodies sleep. friction_in_bias: is friction solved in the pass of each sub-step that corrects positions too.
+contact_rate: natural frequency of contacts over the rate of sub-steps. recycling, clustering: of contact points. capped:
+speeds at 400 m/s, turns at 45 degrees a step, as the vendor has them. soft_ccd: predict contacts as far as a body moves in a
+step, where the scene calls for continuous collision. inner_edges: do the inner edges of meshes push bodies that slide over
+them. joints: as constraints between free bodies, or trees of them in reduced coordinates. on_path: are bodies that are led
+put back on their path before each step. by_scene: BUSY sub-steps, where the settings leave them open, in scenes with contacts
+or joints."""
 _VENDOR: Mapping[str, Any] = {
     "sleeping": True,
     "friction_model": "simplified",
+    "friction_in_bias": False,
     "recycling": True,
     "clustering": True,
     "capped": True,
@@ -56,6 +59,9 @@ def resolved_settings(settings: Settings, effects: Effect) -> Settings:
     parameters = checked_options("Rapier", settings, KNOWN, INTEGRATOR, (SOLVER,))
     options = {name: _VENDOR.get(name) if value is None else value for name, value in parameters.items()}
     busy = options["by_scene"] and (Effect.CONTACT | Effect.JOINTS) & effects
+    if options["by_scene"] and parameters["friction_in_bias"] is None:
+        # Where drives stand or grasp; towers and what rests tremble by it, as the vendor says.
+        options["friction_in_bias"] = (Effect.CONTACT | Effect.DRIVES) in effects
     return replace(
         settings,
         substeps=settings.substeps or (BUSY if busy else SUBSTEPS),
@@ -73,6 +79,7 @@ def set_parameters(rapier: Any, world: Any, used: Settings) -> None:
     parameters.dt = used.dt
     parameters.num_solver_iterations, parameters.num_internal_pgs_iterations = used.substeps, used.iterations
     parameters.friction_model = getattr(rapier.FrictionModel, options["friction_model"].upper())
+    parameters.friction_in_bias_pass = options["friction_in_bias"]
     parameters.contact_recycling, parameters.contact_clustering = options["recycling"], options["clustering"]
     if "contact_rate" in options:
         spring = rapier.SpringCoefficients(options["contact_rate"] / used.substep, 10.0)

@@ -65,7 +65,8 @@ def suited(scene: Scene, settings: Settings) -> "tuple[Settings, engine.World | 
     Where joints turn it farther than `FAR` in each of these steps: implicit midpoint, which keeps the angular momentum that
     nothing changes, and so does not lose a top that spins 5 rad a step.
 
-    Dry friction and limits of speed in joints are not smooth: Runge-Kutta does not know them, semi-implicit Euler does.
+    Dry friction and limits of speed in joints are not smooth: Runge-Kutta does not know them, semi-implicit Euler does, and
+    tendons alike.
 
     Trees of joints: the track asks for joint coordinates, in which semi-implicit Euler is the same motion and Runge-Kutta one
     of the same order, at a fraction of the time (docs/decisions/0020 says where its constants are larger).
@@ -79,7 +80,8 @@ def suited(scene: Scene, settings: Settings) -> "tuple[Settings, engine.World | 
     """
     effects = scene.effects
     laws = ("friction_loss", "speed_limit")
-    if settings.integrator == "rk4" and any(getattr(joint, law, None) for joint in scene.joints for law in laws):
+    unsmooth = any(getattr(joint, law, None) for joint in scene.joints for law in laws)
+    if settings.integrator == "rk4" and (unsmooth or scene.tendons):
         settings = replace(settings, integrator=EULER)
     springs = replace(settings, solver=SOFT)
     if settings.integrator in ("rk4", EULER):

@@ -4,12 +4,12 @@ from typing import TYPE_CHECKING, Any, assert_never
 
 import numpy as np
 
-from plumbline.harness.scene import Ball, Distance, Drive, Effect, Fixed, Joint, Prismatic, Revolute
+from plumbline.harness.scene import Ball, Distance, Drive, Effect, Fixed, Joint, Prismatic, Revolute, Tendon
 
 if TYPE_CHECKING:
     from plumbline import engine
 
-__all__ = ["engine_joint", "shift_of_target"]
+__all__ = ["engine_joint", "engine_tendon", "shift_of_target"]
 
 NEVER_REACHED = 1e6
 """A joint's rate [rad/s or m/s] beyond all of a scene: half of it is where a motor of constant torque would begin to fall."""
@@ -53,6 +53,14 @@ def engine_joint(joint: Joint, effects: Effect) -> "engine.Joint":
             assert_never(joint)
 
 
+def engine_tendon(tendon: Tendon, effects: Effect) -> "engine.Tendon":
+    """A tendon, without the drive that the scene leaves out."""
+    from plumbline import engine
+
+    arms = {arm.joint: arm.arm for arm in tendon.arms}
+    return engine.Tendon(name=tendon.name, arms=arms, **_extras(tendon, effects))
+
+
 def _along(joint: Revolute | Prismatic) -> dict[str, Any]:
     """Rotor, dry friction, speed limit and coupling of a joint with one coordinate."""
     from plumbline import engine
@@ -66,8 +74,8 @@ def _along(joint: Revolute | Prismatic) -> dict[str, Any]:
     }
 
 
-def _extras(joint: Revolute | Prismatic | Distance, effects: Effect) -> dict[str, Any]:
-    """Limits, spring and drive of a joint."""
+def _extras(joint: Revolute | Prismatic | Distance | Tendon, effects: Effect) -> dict[str, Any]:
+    """Limits, spring and drive of a joint or a tendon."""
     from plumbline import engine
 
     extras: dict[str, Any] = {}

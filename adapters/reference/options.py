@@ -5,7 +5,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from plumbline.harness.adapter import Settings, SettingsError
-from plumbline.harness.adapter.promised_bits import BITS, OF_ONE_MACHINE
+from plumbline.harness.adapter.settings import BITS, OF_ONE_MACHINE
 from plumbline.harness.scene import Effect, Scene
 
 if TYPE_CHECKING:

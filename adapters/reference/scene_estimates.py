@@ -4,7 +4,7 @@ from collections import defaultdict
 from collections.abc import Sequence
 from math import pi, sqrt
 
-from plumbline.harness.adapter.disjoint_sets import DisjointSets
+from plumbline.harness.adapter.spanning_forest import DisjointSets
 from plumbline.harness.scene import Body, Plane, Scene, TriangleMesh, outer_radius, width
 
 __all__ = ["half_width", "heap_gives_way", "length", "mass_ratio", "quickest_turn", "way_through"]

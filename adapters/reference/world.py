@@ -3,10 +3,9 @@
 from typing import TYPE_CHECKING
 
 from plumbline.adapters.reference.bodies import engine_body
-from plumbline.adapters.reference.joints import engine_joint
+from plumbline.adapters.reference.joints import engine_joint, engine_tendon
 from plumbline.adapters.reference.surfaces import engine_surface
 from plumbline.harness.adapter import Unsupported
-from plumbline.harness.adapter.carried_laws import refuse_tendons
 from plumbline.harness.scene import Effect, Scene
 
 if TYPE_CHECKING:
@@ -20,8 +19,6 @@ def make_world(scene: Scene, options: "engine.Options") -> "engine.World":
     from plumbline import engine
 
     effects = scene.effects
-    if Effect.JOINTS in effects:
-        refuse_tendons(scene)
     try:
         return engine.World(
             bodies=[engine_body(body, effects) for body in scene.bodies],
@@ -30,6 +27,7 @@ def make_world(scene: Scene, options: "engine.Options") -> "engine.World":
             gravity=scene.gravity if Effect.GRAVITY in effects else (0.0, 0.0, 0.0),
             options=options,
             apart=scene.apart,
+            tendons=[engine_tendon(each, effects) for each in scene.tendons or ()] if Effect.JOINTS in effects else (),
             sun=engine.Sun(towards_W=scene.sun.towards_W, irradiance=scene.sun.irradiance, sky=scene.sun.sky),
         )
     except engine.NotSupported as error:

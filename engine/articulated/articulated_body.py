@@ -17,7 +17,7 @@ import math
 from plumbline.engine.articulated import tables as tree
 from plumbline.engine.articulated.motion import change_along
 from plumbline.engine.articulated.tables import Tables
-from plumbline.engine.articulated.ties import factor_ties, pull_ties
+from plumbline.engine.articulated.ties import factor_ties, pull_ties, pulled_beside
 from plumbline.engine.compile.jit import kernel
 from plumbline.engine.maths.floats import fma
 from plumbline.engine.maths.rows import Floats, Mat, Sym, Vec, load3, load6, load9, store3, store6, store9
@@ -183,6 +183,7 @@ def answer_forces(tables: Tables, h: float) -> tuple[float, float]:
                 column[k, tree.LEFT] += dot(load3(column, k, tree.PULL), a_w) + dot(load3(column, k, tree.PULL + 3), a_v)
                 column[k, tree.LEFT] += dot(load3(column, k, tree.AXIS_W), load3(tables.body, i, tree.FORCE))
                 column[k, tree.LEFT] += dot(load3(column, k, tree.AXIS_W + 3), load3(tables.body, i, tree.FORCE + 3))
+                column[k, tree.LEFT] -= pulled_beside(tables, k)
             fastest = max(fastest, abs(column[k, tree.RATE]))
         store3(motion, i, tree.ACCELERATION, a_w)
         store3(motion, i, tree.ACCELERATION + 3, a_v)

@@ -4,7 +4,7 @@ import numpy as np
 
 from plumbline.engine.articulated import tables as tree
 from plumbline.engine.articulated.forest import Forest, Link
-from plumbline.engine.build.assembly import grow
+from plumbline.engine.build.assembly import grow, write_laws
 from plumbline.engine.build.solids import quat_mat, quat_mul
 from plumbline.engine.maths.arrays import dot, mat_vec
 from plumbline.engine.maths.types import Floats, Ints
@@ -22,8 +22,11 @@ def with_trees(floats: Floats, ints: Ints, forest: Forest) -> tuple[Floats, Ints
     joint_kind = at.int_table(ints, at.JOINT_KIND)
     types = [tree.FREE if link.joint < 0 else int(joint_kind[link.joint, at.JOINT_TYPE]) for link in forest.links]
     n, m, t = len(forest.links), sum(DEGREES[kind] for kind in types), sum(link.tie is not None for link in forest.links)
-    more = t + 1 if t > 0 else 0
-    rows = [n, n, n, n, m, m, n, m, n, more * n, more * m, t * t, t], [n, len(forest.others), len(forest.closing), t]
+    pulling = len(forest.tendons)
+    held = t + pulling
+    more = held + 1 if held > 0 else 0
+    ties = [more * n, more * m, held * held, held, pulling, pulling * m]
+    rows = [n, n, n, n, m, m + pulling, n, m, n, *ties], [n, len(forest.others), len(forest.closing), t]
     starts: list[int] = []
     place = len(floats)
     for count, columns in zip(rows[0], tree.FLOAT_COLUMNS.tolist(), strict=True):
@@ -47,7 +50,27 @@ def with_trees(floats: Floats, ints: Ints, forest: Forest) -> tuple[Floats, Ints
     tree.int_view(ints, tree.OTHER)[:, 0] = forest.others
     tree.int_view(ints, tree.CLOSING)[:, 0] = forest.closing
     _write_ties(floats, ints, forest)
+    _write_tendons(floats, ints, forest)
     return floats, ints
+
+
+def _hold_together(kinds: Ints, one: int, other: int) -> None:
+    """Let the trees of two links be answered together, with all between them."""
+    low, high = sorted(int(kinds[link, tree.CLUSTER]) for link in (one, other))
+    kinds[low : int(np.flatnonzero(kinds[:, tree.CLUSTER] == high)[-1]) + 1, tree.CLUSTER] = low
+
+
+def _write_tendons(floats: Floats, ints: Ints, forest: Forest) -> None:
+    """Fill laws and arms of tendons, and which trees they hold together."""
+    kinds, arm, law, tendons = (
+        tree.int_view(ints, tree.KIND), *(tree.float_view(floats, ints, table) for table in (tree.ARM, tree.LAW, tree.TENDON))
+    )  # fmt: skip
+    columns = len(law) - len(tendons)
+    for n, (tendon, arms) in enumerate(forest.tendons):
+        law[columns + n, tree.WHICH] = write_laws(tendons[n], tendon.limits, tendon.spring, tendon.drive)
+        for link, share in arms.items():
+            arm[n * columns + kinds[link, tree.FIRST], 0] = share
+            _hold_together(kinds, link, min(arms))
 
 
 def _write_ties(floats: Floats, ints: Ints, forest: Forest) -> None:
@@ -63,9 +86,7 @@ def _write_ties(floats: Floats, ints: Ints, forest: Forest) -> None:
         constants[k, tree.RATIO] = tie.ratio
         kinds[k, tree.LEADER], kinds[k, tree.NEXT] = tie.leader, kinds[tie.leader, tree.NEXT]
         kinds[tie.leader, tree.NEXT] = k
-        low, high = sorted(int(kinds[link, tree.CLUSTER]) for link in (k, tie.leader))
-        last = int(np.flatnonzero(kinds[:, tree.CLUSTER] == high)[-1])
-        kinds[low : last + 1, tree.CLUSTER] = low
+        _hold_together(kinds, k, tie.leader)
     for leader in {int(kinds[k, tree.LEADER]) for k in followers}:
         joints = kinds[kinds[:, tree.LEADER] == leader, tree.JOINT]
         if joint_kind[joints, at.HAS].any():

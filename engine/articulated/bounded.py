@@ -24,6 +24,8 @@ from plumbline.engine.articulated.forces import weigh_links
 from plumbline.engine.articulated.laws import ALL, PRESSED, is_ruled, next_segment, take_laws, take_segment, write_laws
 from plumbline.engine.articulated.momenta import load_momenta, press_links
 from plumbline.engine.articulated.tables import Tables
+from plumbline.engine.articulated.tendons import are_on_pieces, change_pieces, take_pieces
+from plumbline.engine.articulated.ties import pulled_beside
 from plumbline.engine.compile.jit import kernel
 from plumbline.engine.maths.rows import Floats, load3
 from plumbline.engine.maths.vec import add, dot, scale
@@ -47,7 +49,8 @@ def needed_force(tables: Tables, i: int, armature: float) -> float:
     # The force has taken in what the change needs, so that the acceleration counts without it.
     a_w, a_v = add(a_w, scale(-change, turning)), add(a_v, scale(-change, sliding))
     torque, force = needed_by(tables.body, i, a_w, a_v)
-    return float(dot(turning, torque) + dot(sliding, force) + armature * change - tables.column[k, tree.BESIDE])
+    needed = dot(turning, torque) + dot(sliding, force) + armature * change - tables.column[k, tree.BESIDE]
+    return float(needed - pulled_beside(tables, k))
 
 
 @kernel
@@ -67,7 +70,7 @@ def held_by(tables: Tables, joints: Joints, i: int) -> float:
 
 @kernel
 def change_segments(tables: Tables, joints: Joints, h: float, alone: bool) -> int:
-    """Let columns on the wrong segment go on to the next, all of them or the first alone. Returns: how many there were."""
+    """Let columns and tendons on the wrong segment go on to the next, all or the first alone. Returns: how many there were."""
     law, column, kind, wrong = tables.law, tables.column, tables.kind, 0
     for i in range(kind.shape[0]):
         k = kind[i, tree.FIRST]
@@ -83,7 +86,7 @@ def change_segments(tables: Tables, joints: Joints, h: float, alone: bool) -> in
             if wrong == 1 or not alone:
                 law[k, tree.SEGMENT] = segment
                 take_segment(tables, i, joints, h)
-    return wrong
+    return change_pieces(tables, h, wrong, alone)
 
 
 @kernel
@@ -173,7 +176,7 @@ def are_settled(tables: Tables, joints: Joints, setting: Floats, h: float) -> bo
             open_by = open_by * inertia / h
         if next_segment(tables, i, joints, h, found, open_by) != int(law[k, tree.SEGMENT]):
             return False
-    return True
+    return are_on_pieces(tables, h, KNOWN * setting[0, at.STEP_TOLERANCE] * fastest)
 
 
 @kernel
@@ -192,6 +195,7 @@ def start_again(
                 joints.joint[j, at.ARMATURE] * (tables.stage_rate[k, tree.STARTED] - column[k, tree.RATE]) / h
             )
     take_laws(tables, joints, h)
+    take_pieces(tables, h)
     if reactions:
         # With all on their segments, nothing changes and the joints carry what was counted.
         answer_laws(tables, bodies, setting, h, gyroscopic, which)

@@ -28,6 +28,7 @@ from plumbline.engine.articulated.responses import BODY, LINK, NOWHERE, Touched,
 from plumbline.engine.articulated.secants import bend_links
 from plumbline.engine.articulated.semi_implicit_euler import close_bends, take_changes
 from plumbline.engine.articulated.tables import Tables
+from plumbline.engine.articulated.tendons import write_tendons
 from plumbline.engine.compile.jit import kernel
 from plumbline.engine.integrate.semi_implicit_euler import drift, kick
 from plumbline.engine.maths.rows import Floats, Ints, Vec, load3, load4, store3, store4
@@ -74,10 +75,12 @@ def forget_responses(tables: Tables) -> None:
 
 @kernel
 def are_answered(tables: Tables) -> bool:
-    """Whether the responses at hand are those of the segments that all columns are on."""
-    others = 0
+    """Whether the responses at hand are those of the segments that all columns and tendons are on."""
+    others, ties = 0, tables.follower.shape[0]
     for k in range(tables.stage_rate.shape[0]):
         others += tables.stage_rate[k, tree.ANSWERED] != tables.law[k, tree.SEGMENT]
+    for n in range(tables.tendon.shape[0]):
+        others += tables.tie[ties + n, tree.ON] != tables.law[tables.column.shape[0] + n, tree.SEGMENT]
     return others == 0
 
 
@@ -180,6 +183,9 @@ def settle_contacts(
             write_loop_matrix(bodies, touched, rows, count_loop_rows(tables, joints))
             for k in range(tables.stage_rate.shape[0]):
                 tables.stage_rate[k, tree.ANSWERED] = tables.law[k, tree.SEGMENT]
+            for n in range(tables.tendon.shape[0]):
+                on = tables.law[tables.column.shape[0] + n, tree.SEGMENT]
+                tables.tie[tables.follower.shape[0] + n, tree.ON] = on
         show_velocities(mechanisms, (0.0, 0.0, 0.0), soft.h)
         sweep_all(mechanisms, soft, PRESS, count[0, at.ITERATIONS] * times, reactions)
         if breaks == 0:
@@ -265,7 +271,7 @@ def touching_substep(
     if touches:
         times = start_contacts(mechanisms, setting, count, sums, h, substep)
     start_laws(tables)
-    breaks = write_laws(tables, joints, h, PRESSED)
+    breaks = write_laws(tables, joints, h, PRESSED) + write_tendons(tables, h)
     for turn in range(MOST_TURNS if breaks > 0 else 1):
         if turn > 0:
             if are_settled(tables, joints, setting, h):

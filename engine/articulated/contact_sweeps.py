@@ -18,9 +18,8 @@ from plumbline.engine.maths.rows import Floats, Vec, store6, store9
 from plumbline.engine.maths.vec import add, cross, neg, tmat_vec
 from plumbline.engine.memory import arena as at
 from plumbline.engine.memory.tables import Bodies, Contacts
-from plumbline.engine.respond.centre import Centre, centre_of, relative_motion
+from plumbline.engine.respond.centre import Centre, Motion, centre_of, motion_of, relative_motion
 from plumbline.engine.respond.mobility import write_masses
-from plumbline.engine.respond.pair import Motion, motion_of
 from plumbline.engine.respond.soft import resist
 from plumbline.engine.respond.softness import Softness
 from plumbline.engine.respond.substep import kept_impulse

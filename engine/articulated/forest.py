@@ -2,12 +2,12 @@
 
 Trees say who hangs on whom, from the roots on, and what closes loops; or why joints make none. Where joints close loops, joint
 coordinates are taken if they are asked for by name alone. Where bodies may touch they are taken unless most bodies are loose:
-those have nothing of a tree, and a sweep over both costs more than over bodies alone. Coupled joints and bodies without mass
-leave no choice: a row of bodies' own coordinates is between two bodies, both with mass.
+those have nothing of a tree, and a sweep over both costs more than over bodies alone. Coupled joints, tendons and bodies
+without mass leave no choice: a row of bodies' own coordinates is between two bodies, both with mass.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -15,7 +15,7 @@ import numpy as np
 from plumbline.engine.build.couplings import leaders_of
 from plumbline.engine.describe.bodies import Body
 from plumbline.engine.describe.errors import NotSupported
-from plumbline.engine.describe.joints import Ball, Distance, Joint
+from plumbline.engine.describe.joints import Ball, Distance, Joint, Prismatic, Revolute, Tendon
 from plumbline.engine.maths.arrays import dot, eigenvalues
 from plumbline.engine.options import ADAPTIVE, JOINT, MAXIMAL, Options
 
@@ -53,12 +53,13 @@ class Link:
 class Forest:
     """The links of all trees, parents before children and tree by tree, and the bodies that forces or nobody moves alone.
 
-    Terms: closing: the joints that close loops of these trees, by their numbers.
+    Terms: closing: the joints that close loops of these trees, by their numbers. tendons: each with its arms by link.
     """
 
     links: tuple[Link, ...]
     others: tuple[int, ...]
     closing: tuple[int, ...] = ()
+    tendons: tuple[tuple[Tendon, Mapping[int, float]], ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -159,6 +160,20 @@ def forest_of(bodies: Sequence[Body], joints: Sequence[Joint]) -> Forest | NoFor
     return Forest(tuple(links), others, closing)
 
 
+def with_tendons(forest: Forest, joints: Sequence[Joint], tendons: Sequence[Tendon]) -> Forest | NoForest:
+    """The forest with tendons over its coordinates. Raises: ValueError for an arm on a joint without one, or of no name."""
+    scalar = {joint.name for joint in joints if isinstance(joint, Revolute | Prismatic)}
+    link_of = {joints[link.joint].name: k for k, link in enumerate(forest.links) if link.joint >= 0}
+    for tendon in tendons:
+        for name in tendon.arms:
+            if name not in scalar:
+                raise ValueError(f"tendon '{tendon.name}': '{name}' is no joint with one coordinate")
+            if name not in link_of:
+                return NoForest(f"joint '{name}'", "it closes a loop, and tendons pull at coordinates of trees")
+    arms = ({link_of[name]: arm for name, arm in tendon.arms.items()} for tendon in tendons)
+    return replace(forest, tendons=tuple(zip(tendons, arms, strict=True)))
+
+
 def _closes(body: Body, closing: Sequence[int], joints: Sequence[Joint]) -> bool:
     """Whether a joint that closes a loop ends at a body."""
     return any(body.name in (joints[j].parent, joints[j].child) for j in closing)
@@ -178,7 +193,9 @@ INTEGRATORS = ("semi_implicit_euler", "rk4", "implicit_midpoint", ADAPTIVE)
 """Those that know joint coordinates."""
 
 
-def chosen_forest(bodies: Sequence[Body], joints: Sequence[Joint], options: Options, touching: bool) -> Forest | None:
+def chosen_forest(
+    bodies: Sequence[Body], joints: Sequence[Joint], options: Options, touching: bool, tendons: Sequence[Tendon] = ()
+) -> Forest | None:
     """The trees that a world is solved as; None where its bodies keep their own coordinates, as all do without joints.
 
     Args: touching: whether two bodies may touch.
@@ -186,17 +203,22 @@ def chosen_forest(bodies: Sequence[Body], joints: Sequence[Joint], options: Opti
     """
     wanted = [f"coupled joint '{joint.name}'" for joint in joints if getattr(joint, "coupling", None) is not None]
     wanted += [f"body '{body.name}' without mass" for body in bodies if body.massless]
+    wanted += [f"tendon '{tendon.name}'" for tendon in tendons]
     if not wanted and (not joints or options.used_coordinates == MAXIMAL):
         return None
     if wanted and options.coordinates == MAXIMAL:
         raise NotSupported(f"{wanted[0]} with bodies' own coordinates", "a row of theirs is between two bodies, both with mass")
     found = forest_of(bodies, joints)
+    if tendons and isinstance(found, Forest):
+        found = with_tendons(found, joints, tendons)
     if options.coordinates != JOINT and not wanted and isinstance(found, Forest):
         loose = sum(bodies[i].motion == "dynamic" for i in found.others)
         if found.closing or (touching and loose > len(found.links)):
             return None
     if options.integrator not in INTEGRATORS:
         found = NoForest(f"the integrator '{options.integrator}'", f"they know {', '.join(INTEGRATORS)}")
+    elif tendons and options.integrator != "semi_implicit_euler":
+        found = NoForest(f"the integrator '{options.integrator}'", "semi_implicit_euler alone knows tendons")
     elif isinstance(found, Forest) and (touching or found.closing):
         found = unknown(options, "contacts" if touching else f"joint '{joints[found.closing[0]].name}'") or found
     if isinstance(found, Forest):

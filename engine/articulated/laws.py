@@ -106,14 +106,20 @@ def write_breaks(tables: Tables, i: int, joints: Joints, h: float) -> None:
         has = int(law[c, tree.WHICH])
         if has & at.HAS_FRICTION and low < 0.0 < high:
             put_break(law, k, 0.0, 1.0)
-        if has & at.HAS_DRIVE and joint[j, at.DRIVE + 4] < math.inf:
-            push, slope = drive_line(joint, j, law[c, tree.X], h)
-            if slope > 0.0:
-                for side in (-1.0, 1.0):
-                    break_rate = (push + side * joint[j, at.DRIVE + 4]) / slope / ratio
-                    if low < break_rate < high:
-                        put_break(law, k, break_rate, 0.0)
+        put_drive_breaks(law, k, c, joint, j, ratio, h)
         m = kind[m, tree.NEXT]
+
+
+@kernel
+def put_drive_breaks(law: Floats, k: int, c: int, joint: Floats, j: int, ratio: float, h: float) -> None:
+    """Add to the law of column k where the drive of joint j, on column c of `ratio` times its rate, comes to its limit."""
+    if int(law[c, tree.WHICH]) & at.HAS_DRIVE and joint[j, at.DRIVE + 4] < math.inf:
+        push, slope = drive_line(joint, j, law[c, tree.X], h)
+        if slope > 0.0:
+            for side in (-1.0, 1.0):
+                break_rate = (push + side * joint[j, at.DRIVE + 4]) / slope / ratio
+                if law[k, tree.LOWEST] < break_rate < law[k, tree.HIGHEST]:
+                    put_break(law, k, break_rate, 0.0)
 
 
 @kernel
@@ -221,14 +227,22 @@ def next_segment(tables: Tables, i: int, joints: Joints, h: float, found: float,
     Args: found: its rate at the end or, where it is at a jump, the force that keeps it there; open_by: how exactly that is
         known, beside round-off.
     """
-    law, k = tables.law, tables.kind[i, tree.FIRST]
+    law, k, below, above = tables.law, tables.kind[i, tree.FIRST], 0.0, 0.0
+    if int(law[k, tree.SEGMENT]) % 2 == 1:
+        below, above = force_beside(tables, i, joints, h, 0), force_beside(tables, i, joints, h, 1)
+    return segment_after(law, k, found, open_by, below, above)
+
+
+@kernel
+def segment_after(law: Floats, k: int, found: float, open_by: float, below: float, above: float) -> int:
+    """As `next_segment`, of a law. Args: below, above: its force just below and above the jump that it is at."""
     segment = int(law[k, tree.SEGMENT])
     at_break = segment // 2
     least = ROUND_OFF * (1.0 + abs(found)) + open_by
     if segment % 2 == 1:
-        if found > force_beside(tables, i, joints, h, 0) + least:
+        if found > below + least:
             return segment - 1
-        if found < force_beside(tables, i, joints, h, 1) - least:
+        if found < above - least:
             return segment + 1
         return segment
     if at_break > 0 and found < law[k, tree.BREAK + at_break - 1] - least:

@@ -30,6 +30,7 @@ from plumbline.engine.articulated.momenta import go_on_bending, keep_momenta
 from plumbline.engine.articulated.motion import move_links
 from plumbline.engine.articulated.secants import bend_links
 from plumbline.engine.articulated.tables import Tables
+from plumbline.engine.articulated.tendons import write_tendons
 from plumbline.engine.compile.jit import kernel
 from plumbline.engine.maths.rows import Floats, load3, store3
 from plumbline.engine.maths.vec import axpy
@@ -64,7 +65,7 @@ def semi_implicit_euler(
     move_links(tables, bodies.state)
     go_on_bending(tables)
     start_laws(tables)
-    breaks = write_laws(tables, joints, h, ALL)
+    breaks = write_laws(tables, joints, h, ALL) + write_tendons(tables, h)
     for turn in range(MOST_TURNS if breaks > 0 else 1):
         if turn > 0:
             if are_settled(tables, joints, setting, h):

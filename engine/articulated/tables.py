@@ -119,7 +119,16 @@ TIE_CHANGE: Final = 1
 TIE_FACTOR: Final = 11
 TIE: Final = 12
 PULLED: Final = 0  # force along the coordinate that follows
-SLACK: Final = 1  # 1 where neither column can be moved
+SLACK: Final = 1  # 1 where no column can be moved, or its force is known
+SOFTNESS: Final = 2  # of a tendon: of the length's acceleration by the force [1/kg]
+AIM: Final = 3  # acceleration that a tendon aims at, or its force where that is known
+KNOWN: Final = 4  # 1 where it is
+HOLDS: Final = 5  # the force of a tendon over the sub-step so far
+ON: Final = 6  # the segment that a tendon was on when the responses to contacts were written
+
+# Tendons: their laws, in the columns of a joint; and their arms, a row for each column of the trees. As ties they come last.
+TENDON: Final = 13
+ARM: Final = 14
 
 # Integers.
 KIND: Final = 0
@@ -143,9 +152,9 @@ FOLLOWER: Final = 3  # links that others lead, one for each tie
 
 FREE: Final = 9
 
-FLOAT_COLUMNS: Final = np.array([30, 43, 28, 8, 20, 23, 14, 3, 42, 12, 2, 1, 2])
+FLOAT_COLUMNS: Final = np.array([30, 43, 28, 8, 20, 23, 14, 3, 42, 12, 2, 1, 7, 40, 1])
 INT_COLUMNS: Final = np.array([11, 1, 1, 1])
-FLOAT_TABLES: Final = 13
+FLOAT_TABLES: Final = 15
 
 
 class Tables(NamedTuple):
@@ -164,6 +173,8 @@ class Tables(NamedTuple):
     tie_column: Floats
     tie_factor: Floats
     tie: Floats
+    tendon: Floats
+    arm: Floats
     kind: Ints
     other: Ints
     closing: Ints
@@ -217,6 +228,8 @@ def tables_of(floats: Floats, ints: Ints) -> Tables:
         floats_at(floats, ints, TIE_COLUMN),
         floats_at(floats, ints, TIE_FACTOR),
         floats_at(floats, ints, TIE),
+        floats_at(floats, ints, TENDON),
+        floats_at(floats, ints, ARM),
         ints_at(ints, KIND),
         ints_at(ints, OTHER),
         ints_at(ints, CLOSING),

@@ -48,6 +48,8 @@ def follow_coordinates(tables: Tables) -> None:
 @kernel
 def pulled_by(tables: Tables, tie: int, k: int) -> float:
     """What a unit of a tie's force is along column k."""
+    if tie >= tables.follower.shape[0]:
+        return float(tables.arm[(tie - tables.follower.shape[0]) * tables.column.shape[0] + k, 0])
     follower = tables.follower[tie, 0]
     if k == tables.kind[follower, tree.FIRST]:
         return 1.0
@@ -109,8 +111,16 @@ def answer_outwards(tables: Tables, answer: int, moved: bool) -> None:
 
 @kernel
 def slip(tables: Tables, tie: int, answer: int) -> float:
-    """By how much the changes that an answer holds break a tie."""
-    follower, first_column = tables.follower[tie, 0], answer * tables.column.shape[0]
+    """By how much the changes that an answer holds break a tie, or lengthen a tendon."""
+    first_column = answer * tables.column.shape[0]
+    if tie >= tables.follower.shape[0]:
+        total = 0.0
+        for k in range(tables.column.shape[0]):
+            arm = pulled_by(tables, tie, k)
+            if arm != 0.0:
+                total += arm * tables.tie_column[first_column + k, tree.TIE_CHANGE]
+        return float(total)
+    follower = tables.follower[tie, 0]
     leader, ratio = tables.kind[follower, tree.LEADER], tables.link[follower, tree.RATIO]
     follows = tables.tie_column[first_column + tables.kind[follower, tree.FIRST], tree.TIE_CHANGE]
     return float(follows - ratio * tables.tie_column[first_column + tables.kind[leader, tree.FIRST], tree.TIE_CHANGE])
@@ -125,14 +135,14 @@ def factor_ties(tables: Tables) -> None:
         answer_outwards(tables, t, moved=False)
     for t in range(n):
         for s in range(t + 1):
-            total = slip(tables, t, s)
+            total = slip(tables, t, s) + (tables.tie[t, tree.SOFTNESS] if s == t else 0.0)
             whole = total
             for r in range(s):
                 total -= low[n * t + r, 0] * low[n * s + r, 0]
             if s < t:
                 low[n * t + s, 0] = 0.0 if tables.tie[s, tree.SLACK] == 1.0 else total / low[n * s + s, 0]
             else:
-                slack = total <= DEPENDENT * whole
+                slack = total <= DEPENDENT * whole or tables.tie[t, tree.KNOWN] == 1.0
                 tables.tie[t, tree.SLACK] = 1.0 if slack else 0.0
                 low[n * t + t, 0] = 1.0 if slack else math.sqrt(total)
         if tables.tie[t, tree.SLACK] == 1.0:
@@ -141,18 +151,41 @@ def factor_ties(tables: Tables) -> None:
 
 
 @kernel
-def pull_ties(tables: Tables, moved: bool) -> None:
-    """Let the ties hold: add their forces to what the inward pass left along columns and made links need.
+def probe(tables: Tables, moved: bool) -> None:
+    """Write into the answer behind those of all ties what changes without them, from what the inward pass left.
 
     Args: moved: as of `answer_outwards`.
     """
-    tie, low, n = tables.tie, tables.tie_factor, tables.tie.shape[0]
-    # What changes without them goes into the answer behind those of all ties.
+    n = tables.tie.shape[0]
     for k in range(tables.column.shape[0]):
         tables.tie_column[n * tables.column.shape[0] + k, tree.TIE_LEFT] = tables.column[k, tree.LEFT]
     answer_outwards(tables, n, moved)
+
+
+@kernel
+def pull(tables: Tables, t: int, force: float) -> None:
+    """Add a tie's force to what the inward pass left along columns and made links need."""
+    for k in range(tables.column.shape[0]):
+        if tables.column[k, tree.ADDED] != math.inf:
+            tables.column[k, tree.LEFT] += force * tables.tie_column[t * tables.column.shape[0] + k, tree.TIE_LEFT]
+    for i in range(tables.kind.shape[0]):
+        for c in range(6):
+            tables.body[i, tree.FORCE + c] += force * tables.tie_link[t * tables.kind.shape[0] + i, tree.TIE_FORCE + c]
+
+
+@kernel
+def pull_ties(tables: Tables, moved: bool) -> None:
+    """Let the ties hold, and the tendons pull.
+
+    Args: moved: as of `probe`; else tendons answer what changes alone.
+    """
+    tie, low, n, ties = tables.tie, tables.tie_factor, tables.tie.shape[0], tables.follower.shape[0]
+    for t in range(ties, n):
+        if moved and tie[t, tree.KNOWN] == 1.0:
+            pull(tables, t, tie[t, tree.AIM])
+    probe(tables, moved)
     for t in range(n):
-        total = -slip(tables, t, n)
+        total = (tie[t, tree.AIM] if moved else 0.0) - slip(tables, t, n)
         for s in range(t):
             total -= low[n * t + s, 0] * tie[s, tree.PULLED]
         tie[t, tree.PULLED] = 0.0 if tie[t, tree.SLACK] == 1.0 else total / low[n * t + t, 0]
@@ -162,10 +195,17 @@ def pull_ties(tables: Tables, moved: bool) -> None:
             total -= low[n * s + t, 0] * tie[s, tree.PULLED]
         tie[t, tree.PULLED] = 0.0 if tie[t, tree.SLACK] == 1.0 else total / low[n * t + t, 0]
     for t in range(n):
-        pull = tie[t, tree.PULLED]
-        for k in range(tables.column.shape[0]):
-            if tables.column[k, tree.ADDED] != math.inf:
-                tables.column[k, tree.LEFT] += pull * tables.tie_column[t * tables.column.shape[0] + k, tree.TIE_LEFT]
-        for i in range(tables.kind.shape[0]):
-            for c in range(6):
-                tables.body[i, tree.FORCE + c] += pull * tables.tie_link[t * tables.kind.shape[0] + i, tree.TIE_FORCE + c]
+        pull(tables, t, tie[t, tree.PULLED])
+    for t in range(ties, n):
+        if moved and tie[t, tree.KNOWN] == 1.0:
+            tie[t, tree.PULLED] = tie[t, tree.AIM]
+        tie[t, tree.HOLDS] = tie[t, tree.PULLED] + (0.0 if moved else tie[t, tree.HOLDS])
+
+
+@kernel
+def pulled_beside(tables: Tables, k: int) -> float:
+    """What the tendons push along column k by the forces that were found last."""
+    total = 0.0
+    for t in range(tables.follower.shape[0], tables.tie.shape[0]):
+        total += tables.tie[t, tree.PULLED] * pulled_by(tables, t, k)
+    return float(total)

@@ -12,8 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from plumbline.engine.broad.bounds import overlap, place_shapes, reaches_plane
-from plumbline.engine.broad.collision_filter import collision_filter_of, kept_apart
+from plumbline.engine.broad.bounds import BLOCK, collision_filter_of, kept_apart, overlap, place_shapes, reaches_plane
 from plumbline.engine.compile.jit import inlined, kernel, template
 from plumbline.engine.maths.rows import Floats, Ints
 from plumbline.engine.memory import arena as at
@@ -81,9 +80,40 @@ def add_unbounded(floats: Floats, ints: Ints, found: int) -> int:
     return found
 
 
+@inlined
+def digits_of(i: int, j: int) -> tuple[int, int, int]:
+    """What pairs of shapes i < j are sorted by, the least first: where i is in its block, how far behind j comes, the block."""
+    return i % BLOCK, j - i, i // BLOCK
+
+
+@inlined
+def rank_of(i: int, j: int, shapes: int) -> int:
+    """A number that rises from pair to pair, as `sort_pairs` has them."""
+    within, behind, block = digits_of(i, j)
+    return (block * shapes + behind) * BLOCK + within
+
+
+@kernel
+def sort_pairs(pair: Ints, n: int, shapes: int) -> None:
+    """Sort n pairs by their digits (radix sort: Knuth, The Art of Computer Programming, volume 3, section 5.2.5)."""
+    unsorted = np.empty((n, 2), np.int64)
+    for digit in range(3):
+        start = np.zeros(shapes + 1, np.int64)
+        for c in range(n):
+            unsorted[c, 0], unsorted[c, 1] = pair[c, 0], pair[c, 1]
+            start[digits_of(pair[c, 0], pair[c, 1])[digit] + 1] += 1
+        for s in range(shapes):
+            start[s + 1] += start[s]
+        for c in range(n):
+            i, j = unsorted[c, 0], unsorted[c, 1]
+            key = digits_of(i, j)[digit]
+            pair[start[key], 0], pair[start[key], 1] = i, j
+            start[key] += 1
+
+
 @kernel
 def keep_candidates(floats: Floats, ints: Ints, found: int) -> int:
-    """Drop the candidates that never touch, and order the rest by their first and then their second shape.
+    """Drop the candidates that never touch, and sort the rest.
 
     Returns: DONE, or FULL where the arena has no room for them.
     """
@@ -98,23 +128,7 @@ def keep_candidates(floats: Floats, ints: Ints, found: int) -> int:
         if not kept_apart(rules, i, j):
             candidate[kept, 0], candidate[kept, 1] = i, j
             kept += 1
-    start, second = np.zeros(shapes + 1, np.int64), np.empty(kept, np.int64)
-    for c in range(kept):
-        start[candidate[c, 0] + 1] += 1
-    for s in range(shapes):
-        start[s + 1] += start[s]
-    place = start.copy()
-    for c in range(kept):
-        i, j = candidate[c, 0], candidate[c, 1]
-        to = place[i]
-        while to > start[i] and second[to - 1] > j:
-            second[to] = second[to - 1]
-            to -= 1
-        second[to] = j
-        place[i] += 1
-    for s in range(shapes):
-        for c in range(start[s], start[s + 1]):
-            candidate[c, 0], candidate[c, 1] = s, second[c]
+    sort_pairs(candidate, kept, shapes)
     progress[0, at.CANDIDATES] = kept
     return DONE
 
@@ -143,7 +157,7 @@ def write_pairs(floats: Floats, ints: Ints) -> int:
     """Write the pairs of this step. Returns: DONE, or FULL where the arena has no room for them."""
     pair = ints_of(ints, at.PAIR)
     found = compare_candidates(floats, ints, 0, ints_of(ints, at.PROGRESS)[0, at.CANDIDATES], pair, ints_of(ints, at.CANDIDATE))
-    ints_of(ints, at.COUNT)[0, at.PAIRS], ints_of(ints, at.TALLY)[0, at.SEARCHED] = found, 1
+    ints_of(ints, at.COUNT)[0, at.PAIRS], ints_of(ints, at.TALLY)[0, at.SEARCHED] = found, int(found <= len(pair))
     return FULL if found > pair.shape[0] else DONE
 
 

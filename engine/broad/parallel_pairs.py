@@ -15,5 +15,5 @@ def write_pairs(floats: Floats, ints: Ints, threads: int) -> int:
     pair, candidate = ints_of(ints, at.PAIR), ints_of(ints, at.CANDIDATE)
     candidates = ints_of(ints, at.PROGRESS)[0, at.CANDIDATES]
     found = search_in_shares(floats, ints, threads, candidates, pair, compare_candidates, candidate)
-    ints_of(ints, at.COUNT)[0, at.PAIRS], ints_of(ints, at.TALLY)[0, at.SEARCHED] = found, 1
+    ints_of(ints, at.COUNT)[0, at.PAIRS], ints_of(ints, at.TALLY)[0, at.SEARCHED] = found, int(found <= len(pair))
     return FULL if found > len(pair) else DONE

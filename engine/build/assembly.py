@@ -11,7 +11,7 @@ from plumbline.engine.build.solids import body_solids, principal_frame, quat_mat
 from plumbline.engine.describe.bodies import Body, Surface
 from plumbline.engine.describe.check import finite, spd_inertia, unit_quaternion
 from plumbline.engine.describe.errors import NotSupported
-from plumbline.engine.describe.joints import WORLD, Ball, Distance, Fixed, Joint, Prismatic, Revolute
+from plumbline.engine.describe.joints import WORLD, Ball, Distance, Drive, Fixed, Joint, Limits, Prismatic, Revolute, Spring
 from plumbline.engine.describe.shapes import Box, Plane, Sphere, TriangleMesh
 from plumbline.engine.maths.arrays import dot, inverse, mat_mat, mat_vec, norm, unit
 from plumbline.engine.maths.types import Floats, Ints
@@ -318,7 +318,7 @@ def _write_joint(floats: Floats, ints: Ints, j: int, joint: Joint, index: Mappin
     state = at.float_table(floats, ints, at.STATE)
     row, kind = at.float_table(floats, ints, at.JOINT)[j], at.int_table(ints, at.JOINT_KIND)[j]
     ra, rb = quat_mat(state[a, at.Q : at.Q + 4]), quat_mat(state[b, at.Q : at.Q + 4])
-    row[at.LOWER], row[at.UPPER], row[at.DRIVE + 4] = -math.inf, math.inf, math.inf
+    kind[at.HAS] = write_laws(row, None, None, None)
     kind[[at.PARENT, at.CHILD]] = a, b
     qa = state[a, at.Q : at.Q + 4] * (1, -1, -1, -1)
     row[at.TURN_AB : at.TURN_AB + 4] = quat_mul(qa, state[b, at.Q : at.Q + 4])
@@ -340,10 +340,6 @@ def _write_joint(floats: Floats, ints: Ints, j: int, joint: Joint, index: Mappin
         axis = unit(np.asarray(joint.axis_W, float))
         row[at.AXIS_A : at.AXIS_A + 3], row[at.AXIS_B : at.AXIS_B + 3] = mat_vec(ra.T, axis), mat_vec(rb.T, axis)
         row[at.POSITION] = row[at.COORDINATE] = joint.position
-        if joint.drive is not None:
-            drive = joint.drive
-            kind[at.HAS] |= at.HAS_DRIVE
-            row[at.DRIVE : at.DRIVE + 5] = drive.stiffness, drive.damping, drive.target, drive.target_velocity, drive.limit
         if joint.armature > 0:
             kind[at.HAS] |= at.HAS_ARMATURE
             row[at.ARMATURE], row[at.ROTOR_RATE] = joint.armature, _rate(joint, axis, state[a], state[b], anchor_a)
@@ -353,12 +349,23 @@ def _write_joint(floats: Floats, ints: Ints, j: int, joint: Joint, index: Mappin
         if joint.speed_limit < math.inf:
             kind[at.HAS] |= at.HAS_SPEED_LIMIT
             row[at.SPEED_LIMIT] = joint.speed_limit
-    if joint.limits is not None:
-        kind[at.HAS] |= at.HAS_LIMITS
-        row[at.LOWER], row[at.UPPER] = joint.limits.lower, joint.limits.upper
-    if joint.spring is not None:
-        kind[at.HAS] |= at.HAS_SPRING
-        row[at.SPRING : at.SPRING + 3] = joint.spring.stiffness, joint.spring.damping, joint.spring.rest
+    kind[at.HAS] |= write_laws(row, joint.limits, joint.spring, None if isinstance(joint, Distance) else joint.drive)
+
+
+def write_laws(row: Floats, limits: Limits | None, spring: Spring | None, drive: Drive | None) -> int:
+    """Fill what acts along a coordinate in the row of a joint. Returns: the bits of HAS."""
+    has = 0
+    row[at.LOWER], row[at.UPPER], row[at.DRIVE + 4] = -math.inf, math.inf, math.inf
+    if limits is not None:
+        has |= at.HAS_LIMITS
+        row[at.LOWER], row[at.UPPER] = limits.lower, limits.upper
+    if spring is not None:
+        has |= at.HAS_SPRING
+        row[at.SPRING : at.SPRING + 3] = spring.stiffness, spring.damping, spring.rest
+    if drive is not None:
+        has |= at.HAS_DRIVE
+        row[at.DRIVE : at.DRIVE + 5] = drive.stiffness, drive.damping, drive.target, drive.target_velocity, drive.limit
+    return has
 
 
 def grow(floats: Floats, ints: Ints) -> tuple[Floats, Ints]:

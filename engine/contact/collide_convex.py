@@ -4,10 +4,10 @@ from collections.abc import Callable
 
 from plumbline.engine.compile.jit import entry, kernel, template
 from plumbline.engine.contact.look_ahead import look_ahead, thinnest
-from plumbline.engine.contact.tables import pairs_of, rules_of
 from plumbline.engine.maths.rows import Floats, Ints, Vec, store3
 from plumbline.engine.memory import arena as at
 from plumbline.engine.memory.carve import floats_of, ints_of
+from plumbline.engine.memory.tables import pairs_of, rules_of
 from plumbline.engine.narrow.collide import is_convex_pair, ordered
 from plumbline.engine.narrow.convex import convex_contact, plane_contact
 from plumbline.engine.narrow.gjk import Simplex, simplex_of

@@ -5,12 +5,11 @@ Source: Ericson, Real-Time Collision Detection, section 12.4; Catto, Iterative D
 
 from plumbline.engine.compile.jit import kernel
 from plumbline.engine.contact.look_ahead import look_ahead, thinnest
-from plumbline.engine.contact.tables import OldContacts, Pairs, Rules
 from plumbline.engine.contact.warm_starting import carry_over, go_on, last_manifold, start_anew, take_over
 from plumbline.engine.maths.rows import Floats, Vec, load3, store3
 from plumbline.engine.maths.vec import add, axpy, cross, dot, norm, sub
 from plumbline.engine.memory import arena as at
-from plumbline.engine.memory.tables import Bodies, Contacts, Shapes
+from plumbline.engine.memory.tables import Bodies, Contacts, OldContacts, Pairs, Rules, Shapes
 from plumbline.engine.narrow.box_box import FACE_OF_B
 from plumbline.engine.narrow.collide import collide, is_convex_pair, ordered
 from plumbline.engine.narrow.point import CORNERS_OF_B, Points

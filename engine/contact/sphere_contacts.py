@@ -3,16 +3,17 @@
 Source: Ericson, Real-Time Collision Detection, section 4.3.1; Catto, Iterative Dynamics with Temporal Coherence, GDC 2005.
 """
 
-from plumbline.engine.broad.bounds import brute_force, place_shapes
-from plumbline.engine.broad.collision_filter import collision_filter_of
+from plumbline.engine.broad.bounds import brute_force, collision_filter_of, place_shapes
+from plumbline.engine.broad.candidates import rank_of
 from plumbline.engine.compile.jit import kernel
+from plumbline.engine.contact.find_contacts import needs_search
 from plumbline.engine.contact.look_ahead import look_ahead
 from plumbline.engine.contact.manifolds import AT_REST
 from plumbline.engine.maths.rows import Floats, Ints, Vec, load3, store3
 from plumbline.engine.maths.vec import add, axpy, cross, dot, norm, scale, sub
 from plumbline.engine.memory import arena as at
 from plumbline.engine.memory.carve import floats_of, ints_of
-from plumbline.engine.memory.status import DONE, FULL
+from plumbline.engine.memory.status import DONE, FULL, SEARCH_PENDING
 from plumbline.engine.memory.tables import Shapes, shapes_of
 from plumbline.engine.narrow.box_pairs import sphere_box
 from plumbline.engine.narrow.point import Points
@@ -87,7 +88,7 @@ def build_touches(floats: Floats, ints: Ints, pairs: int) -> None:
     fall = dt * norm(load3(setting, 0, at.GRAVITY))
     found, new, walk, as_before = 0, 0, 0, True
     for p in range(pairs):
-        code = pair[p, 0] * shapes + pair[p, 1]
+        code = rank_of(pair[p, 0], pair[p, 1], shapes)
         a, b = pair[p, 0], pair[p, 1]
         if shape_kind[a, at.TYPE] != at.SPHERE or kind[shape_kind[a, at.OWNER], at.MOTION] != at.DYNAMIC:
             a, b = b, a
@@ -166,7 +167,9 @@ def build_touches(floats: Floats, ints: Ints, pairs: int) -> None:
 
 @kernel
 def find_touches(floats: Floats, ints: Ints) -> int:
-    """Find the contacts of this step and mark the bodies they touch. Returns: DONE, or FULL."""
+    """Find the contacts of this step and mark the bodies they touch. Returns: DONE, or SEARCH_PENDING or FULL."""
+    if needs_search(ints):
+        return SEARCH_PENDING
     pose, bounds = floats_of(floats, ints, at.POSE), floats_of(floats, ints, at.BOUNDS)
     pair, count = ints_of(ints, at.PAIR), ints_of(ints, at.COUNT)
     if count[0, at.BROAD] == 0:
@@ -174,6 +177,7 @@ def find_touches(floats: Floats, ints: Ints) -> int:
         count[0, at.PAIRS] = brute_force(collision_filter_of(floats, ints), bounds, pose, count[0, at.SHAPES], pair)
         if count[0, at.PAIRS] > pair.shape[0]:
             return FULL
+    ints_of(ints, at.TALLY)[0, at.SEARCHED] = 0
     gather(floats, ints)
     build_touches(floats, ints, count[0, at.PAIRS])
     return DONE

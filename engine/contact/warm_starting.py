@@ -8,11 +8,10 @@ GDC 2005.
 """
 
 from plumbline.engine.compile.jit import kernel
-from plumbline.engine.contact.tables import OldContacts
 from plumbline.engine.maths.rows import Floats, Ints, load3, store3
 from plumbline.engine.maths.vec import add, dot, norm, sub
 from plumbline.engine.memory import arena as at
-from plumbline.engine.memory.tables import Contacts
+from plumbline.engine.memory.tables import Contacts, OldContacts
 
 ON = 0.5
 """Share of a ball's radius [1] by which its contact may have moved on, from one triangle to the next."""

@@ -1,7 +1,7 @@
 """Joints between two bodies, described in the world frame at the initial pose."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from plumbline.engine.describe.check import direction, finite, not_negative, number
@@ -162,6 +162,27 @@ class Distance:
         b = finite(f"joint '{self.name}'", "child_anchor_W", self.child_anchor_W, (3,), "m")
         if float(norm(b - a)) < 1e-12:
             raise ValueError(f"joint '{self.name}': both anchors lie at {a.tolist()} m, expected a distance above 0")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Tendon:
+    """A length l = sum of arm x over coordinates x of joints with one, and what acts along it: a force f is arm f on each.
+
+    Terms: arms: by the name of a joint [m/rad or 1]. limits, spring, drive: of the length, as a joint has them.
+    """
+
+    name: str
+    arms: Mapping[str, float]
+    limits: Limits | None = None
+    spring: Spring | None = None
+    drive: Drive | None = None
+
+    def __post_init__(self) -> None:
+        if not self.arms:
+            raise ValueError(f"tendon '{self.name}': no arms, expected at least one")
+        for joint, arm in self.arms.items():
+            if finite(f"tendon '{self.name}'", f"arm of '{joint}'", arm, (), "m/rad or 1") == 0:
+                raise ValueError(f"tendon '{self.name}': arm of '{joint}' {arm}, expected another than 0")
 
 
 Joint = Fixed | Ball | Revolute | Prismatic | Distance

@@ -1,9 +1,15 @@
-"""What comes before and after the islands of a step are solved: find contacts, wake, group; and sleep."""
+"""A step island by island: find contacts, wake, group; solve the islands in turn or on several threads; let them sleep."""
 
-from plumbline.engine.compile.jit import kernel
+from collections.abc import Callable
+
+from numba import prange
+
+from plumbline.engine.compile.jit import kernel, template
+from plumbline.engine.constrain.stages import Held
 from plumbline.engine.contact.find_contacts import find_contacts, keep_contacts
 from plumbline.engine.integrate.all_bodies import advance_untouched
 from plumbline.engine.integrate.semi_implicit_euler import drift
+from plumbline.engine.islands.contacts import advance_island
 from plumbline.engine.islands.islands import (
     connect,
     ends_of,
@@ -12,13 +18,14 @@ from plumbline.engine.islands.islands import (
     linked_by_contacts,
     linked_by_joints,
     number_islands,
+    share,
     start_islands,
 )
 from plumbline.engine.islands.sleep import fall_asleep, mark_changed, mark_touched, remember, wake_marked
 from plumbline.engine.maths.rows import Floats, Ints
 from plumbline.engine.memory import arena as at
 from plumbline.engine.memory.carve import floats_of, ints_of
-from plumbline.engine.memory.status import DIVERGED, DONE, FULL, SEARCH_PENDING
+from plumbline.engine.memory.status import DIVERGED, DONE, FULL
 from plumbline.engine.memory.tables import bodies_of
 from plumbline.engine.steps.count_step import count_step
 
@@ -50,8 +57,6 @@ def meet(floats: Floats, ints: Ints, keeping: bool) -> int:
     searching = not keeping or not keep_contacts(floats, ints)
     while True:
         if searching:
-            if count[0, at.BROAD] == 1 and tally[0, at.SEARCHED] == 0:
-                return SEARCH_PENDING
             status = find_contacts(floats, ints)
             if status != DONE:
                 return status
@@ -146,7 +151,7 @@ def carry_kinematic(floats: Floats, ints: Ints) -> None:
 def end_islands(floats: Floats, ints: Ints) -> int:
     """Count the step, and let calm islands sleep. Returns: DONE, or DIVERGED, or FULL."""
     count, tally = ints_of(ints, at.COUNT), ints_of(ints, at.TALLY)
-    tally[0, at.AROUSED], tally[0, at.SEARCHED] = 0, 0
+    tally[0, at.AROUSED] = 0
     if count_step(floats_of(floats, ints, at.STATE), count) == DIVERGED:
         return DIVERGED
     if floats_of(floats, ints, at.SLEEP)[0, at.SLEEP_TIME] == 0.0:
@@ -154,3 +159,56 @@ def end_islands(floats: Floats, ints: Ints) -> int:
     status = fall_asleep(floats, ints)
     remember(floats, ints)
     return status
+
+
+@template
+def in_turn(floats: Floats, ints: Ints, holding: Callable[..., Held], first: int, end: int, hit: int) -> None:
+    """Advance all islands, one after the other."""
+    for i in range(ints_of(ints, at.TALLY)[0, at.ISLANDS]):
+        advance_island(floats, ints, i, first, end, hit, holding)
+
+
+@template
+def on_threads(floats: Floats, ints: Ints, holding: Callable[..., Held], first: int, end: int, hit: int) -> None:
+    """As `in_turn`, to the last bit, with neighbouring islands of about as many contacts on each thread."""
+    span, tally = ints_of(ints, at.SPAN_OF_ISLAND), ints_of(ints, at.TALLY)
+    for t in prange(tally[0, at.THREADS]):
+        for i in range(share(span, tally, t), share(span, tally, t + 1)):
+            advance_island(floats, ints, i, first, end, hit, holding)
+
+
+@template
+def step_by_islands(
+    floats: Floats,
+    ints: Ints,
+    steps: int,
+    begin: Callable[[Floats, Ints], int],
+    run: Callable[..., None],
+    holding: Callable[..., Held],
+) -> tuple[int, int]:
+    """Advance a world by `steps` steps.
+
+    They meet where one has something to tell the others: see `next_meeting`.
+
+    Args: begin: finds the contacts of a step and groups the bodies, as `begin_islands`; run: `in_turn` or `on_threads`;
+        holding: holds joints, as `hold`.
+    Returns: steps done, and the status of the last one.
+    """
+    stages = ints_of(ints, at.COUNT)[0, at.SUBSTEPS] * 2 + 1
+    for step in range(steps):
+        if skip_sleep(floats, ints, steps - step):
+            return steps, DONE
+        status = begin(floats, ints)
+        if status != DONE:
+            return step, status
+        first, hit = 0, 0
+        while first < stages:
+            end = next_meeting(ints, first)
+            if first % 2 == 1:
+                carry_kinematic(floats, ints)
+            run(floats, ints, holding, first, end, hit)
+            first, hit = end, any_hit(ints)
+        status = end_islands(floats, ints)
+        if status != DONE:
+            return step + 1, status
+    return steps, DONE

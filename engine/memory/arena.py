@@ -65,7 +65,7 @@ BODY_KIND: Final = int_columns(Per.BODY, 4)
 MOTION: Final = 0  # 0 static, 1 kinematic, 2 dynamic
 TOUCHED: Final = 1  # 1 where contacts or joints act in this step
 STILL: Final = 2  # 1 where the body has hardly moved since its contacts were made
-RING: Final = 3  # of a dynamic body: how many contacts it is away from the next blow, as far as is asked
+RING: Final = 3  # how many contacts the body is away from the next blow, as far as is asked; of one that stands, farther
 STATIC, KINEMATIC, DYNAMIC = range(3)
 
 BODY_ORDER: Final = int_columns(Per.BODY, 1)  # the touched bodies, ascending, or island by island
@@ -263,7 +263,7 @@ R_NORMAL: Final = 12  # 3: at the start of the step
 TOUCH_KEY: Final = int_columns(Per.TOUCH, 6)
 K_BODY_A: Final = 0
 K_BODY_B: Final = 1
-K_PAIR: Final = 2  # first shape times the number of shapes, plus second
+K_PAIR: Final = 2  # its rank among all pairs
 K_SLIPS: Final = 3
 K_ROUND: Final = 4  # 1 where B is a sphere too
 K_MOVES: Final = 5  # 1 where B is dynamic

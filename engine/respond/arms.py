@@ -7,8 +7,7 @@ from plumbline.engine.maths.rows import Floats, Ints, Vec, load3, load4, store3
 from plumbline.engine.maths.vec import add, axpy, dot, mat_vec, neg, quat_mat, scale, sub
 from plumbline.engine.memory import arena as at
 from plumbline.engine.memory.tables import Contacts, Shapes
-from plumbline.engine.respond.rolling_ellipsoids import ON_ELLIPSOID, farthest
-from plumbline.engine.respond.rolling_rims import lowest_of
+from plumbline.engine.respond.rolling import ON_ELLIPSOID, farthest, lowest_of
 
 
 @kernel

@@ -11,7 +11,7 @@ import math
 from plumbline.engine.compile.jit import inlined, kernel
 from plumbline.engine.maths.floats import fma
 from plumbline.engine.maths.rows import Floats, Mat, Sym, Vec, load3, load6, store3
-from plumbline.engine.maths.vec import axpy, mat_vec, sub, sym_vec, tmat_vec
+from plumbline.engine.maths.vec import axpy, mat_vec, scale, sub, sym_vec, tmat_vec
 from plumbline.engine.memory import arena as at
 from plumbline.engine.memory.tables import Contacts
 from plumbline.engine.respond.centre import frame_of
@@ -62,14 +62,16 @@ def friction_point(tangents: Sym, slide: Vec, friction: float, first: int, end: 
         x, y, mass = point[i, at.SPREAD], point[i, at.SPREAD + 1], point[i, at.TANGENT_MASS]
         most = friction * point[i, at.NORMAL_IMPULSE]
         was_1, was_2 = point[i, at.HELD], point[i, at.HELD + 1]
+        by_1, by_2 = sym_vec(tangents, (1.0, 0.0, -y)), sym_vec(tangents, (0.0, 1.0, x))
         one, two = fma(-mass, fma(-y, slide[2], slide[0]), was_1), fma(-mass, fma(x, slide[2], slide[1]), was_2)
-        square = fma(two, two, one * one)
+        square, rest = fma(two, two, one * one), axpy(-was_1, by_1, axpy(-was_2, by_2, slide))
+        slide = axpy(one, by_1, axpy(two, by_2, rest))
         if square > most * most:
-            share = most / math.sqrt(square)
+            share = most / square * math.sqrt(square)
+            slide = axpy(share, axpy(one, by_1, scale(two, by_2)), rest)
             one, two = share * one, share * two
         point[i, at.HELD], point[i, at.HELD + 1] = one, two
         one, two = one - was_1, two - was_2
-        slide = axpy(one, sym_vec(tangents, (1.0, 0.0, -y)), axpy(two, sym_vec(tangents, (0.0, 1.0, x)), slide))
         f1, f2, m3 = f1 + one, f2 + two, fma(-y, one, fma(x, two, m3))
     return f1, f2, m3
 

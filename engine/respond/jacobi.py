@@ -26,9 +26,8 @@ from plumbline.engine.memory import arena as at
 from plumbline.engine.memory.carve import floats_of, ints_of
 from plumbline.engine.memory.tables import Bodies, Contacts, bodies_of, contacts_of, shapes_of, some_contacts
 from plumbline.engine.respond.arms import refresh
-from plumbline.engine.respond.centre import centre_of, give_impulse, relative_motion
+from plumbline.engine.respond.centre import centre_of, give_impulse, lighter, motion_of, pair_of, relative_motion
 from plumbline.engine.respond.friction import roll
-from plumbline.engine.respond.pair import lighter, motion_of, pair_of
 from plumbline.engine.respond.prepare import weigh
 from plumbline.engine.respond.soft import resist_at
 from plumbline.engine.respond.softness import PUSH, TURN, Softness, softness_of

@@ -10,8 +10,7 @@ from plumbline.engine.maths.rows import Floats, Ints, Mat, Sym, Vec, load6, stor
 from plumbline.engine.maths.vec import cross, mat_vec, sym_rotate
 from plumbline.engine.memory import arena as at
 from plumbline.engine.memory.tables import Contacts
-from plumbline.engine.respond.centre import Centre
-from plumbline.engine.respond.pair import Pair
+from plumbline.engine.respond.centre import Centre, Pair
 
 THIN = 1e-6
 """Squared spread of the points over the squared arm at which they would move the bodies as much by turning as by shifting [1],

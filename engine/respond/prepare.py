@@ -6,11 +6,9 @@ from plumbline.engine.maths.vec import axpy, cross, mat_vec, perpendicular, quat
 from plumbline.engine.memory import arena as at
 from plumbline.engine.memory.tables import Bodies, Contacts, Shapes
 from plumbline.engine.respond.arms import spread
-from plumbline.engine.respond.centre import Centre, frame_of
+from plumbline.engine.respond.centre import Centre, Pair, frame_of, pair_of
 from plumbline.engine.respond.mobility import write_blocks, write_masses
-from plumbline.engine.respond.pair import Pair, pair_of
-from plumbline.engine.respond.rolling_ellipsoids import ON_ELLIPSOID, is_ellipsoid
-from plumbline.engine.respond.rolling_rims import radius, rim_of, rolls_on
+from plumbline.engine.respond.rolling import ON_ELLIPSOID, is_ellipsoid, radius, rim_of, rolls_on
 
 
 @kernel

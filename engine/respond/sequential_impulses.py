@@ -26,7 +26,7 @@ from plumbline.engine.maths.rows import Floats, Vec, load3, load4, store3, store
 from plumbline.engine.maths.vec import add, axpy, cross, dot, norm, quat_turn, scale, sub, sym_vec
 from plumbline.engine.memory import arena as at
 from plumbline.engine.memory.tables import Bodies, Contacts
-from plumbline.engine.respond.pair import Motion, Pair, motion_of, pair_of, store_motion
+from plumbline.engine.respond.centre import Motion, Pair, motion_of, pair_of, store_motion
 from plumbline.engine.respond.softness import REBOUND
 
 BAUMGARTE = 0.2

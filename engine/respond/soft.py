@@ -33,9 +33,8 @@ from plumbline.engine.maths.rows import Vec, load3, load6, load9
 from plumbline.engine.maths.vec import add, axpy, mat_vec, sym_vec, tmat_vec
 from plumbline.engine.memory import arena as at
 from plumbline.engine.memory.tables import Bodies, Contacts
-from plumbline.engine.respond.centre import Centre, frame_of, give_impulse, relative_motion
+from plumbline.engine.respond.centre import Centre, frame_of, give_impulse, motion_of, pair_of, relative_motion
 from plumbline.engine.respond.friction import friction_point, roll, static_friction
-from plumbline.engine.respond.pair import motion_of, pair_of
 from plumbline.engine.respond.softness import PRESS, REBOUND, Softness
 
 
@@ -86,11 +85,12 @@ def resist_at(
                 point[i, at.NORMAL_IMPULSE] = impulse
                 if key[m, at.STRIKES] == 1:
                     point[i, at.SPIKE] = max(point[i, at.SPIKE], impulse)
-                change = impulse - before
-                lift = axpy(change, sym_vec(normals, (1.0, y, -x)), lift)
+                change, by_it = impulse - before, sym_vec(normals, (1.0, y, -x))
+                lift = axpy(impulse, by_it, axpy(-before, by_it, lift))
                 f, m1, m2 = f + change, fma(y, change, m1), fma(-x, change, m2)
             pressed = add(pressed, (f, m1, m2))
-            slide = add(slide, mat_vec(coupling, (f, m1, m2)))
+            if half == 0:
+                slide = add(slide, mat_vec(coupling, (f, m1, m2)))
         elif friction > 0.0:
             f1, f2, m3 = math.inf, 0.0, 0.0
             if end - first == key[m, at.POINTS]:
@@ -98,7 +98,8 @@ def resist_at(
             if f1 == math.inf:
                 f1, f2, m3 = friction_point(tangents, slide, friction, first, end, point)
             rubbed = add(rubbed, (f1, f2, m3))
-            lift = add(lift, tmat_vec(coupling, (f1, f2, m3)))
+            if half == 0:
+                lift = add(lift, tmat_vec(coupling, (f1, f2, m3)))
     return (rubbed[0], rubbed[1], pressed[0]), (pressed[1], pressed[2], rubbed[2])
 
 

@@ -15,12 +15,14 @@ import math
 from typing import NamedTuple
 
 from plumbline.engine.compile.jit import inlined, kernel
+from plumbline.engine.maths.elementary import exp
 from plumbline.engine.maths.floats import fma
-from plumbline.engine.maths.rows import Floats, Ints, Vec, load3, store3
-from plumbline.engine.maths.vec import axpy, cross, dot, norm, scale, sub
+from plumbline.engine.maths.rows import Floats, Ints, Vec, load3, load4, store3, store4
+from plumbline.engine.maths.vec import axpy, cross, dot, norm, quat_spin, quat_unit, scale, sub
 from plumbline.engine.memory import arena as at
 from plumbline.engine.memory.carve import floats_of, ints_of
-from plumbline.engine.respond.pair import Motion
+from plumbline.engine.memory.tables import Bodies
+from plumbline.engine.respond.centre import Motion
 from plumbline.engine.respond.softness import REBOUND, STUCK, TOUCHING, Softness
 
 
@@ -67,9 +69,9 @@ def touches_of(floats: Floats, ints: Ints) -> Touches:
 @inlined
 def way_of(motion: Motion, arm_a: float, arm_b: float, n: Vec) -> tuple[float, Vec]:
     """The velocity of B's surface against A's [m/s]: along the normal, and the slip at right angles to it."""
-    way = sub(sub(motion.vb, motion.va), cross(axpy(arm_a, motion.wa, scale(arm_b, motion.wb)), n))
+    way = sub(motion.vb, motion.va)
     along = dot(n, way)
-    return along, axpy(-along, n, way)
+    return along, axpy(-along, n, sub(way, cross(axpy(arm_a, motion.wa, scale(arm_b, motion.wb)), n)))
 
 
 @inlined
@@ -157,9 +159,9 @@ def turn_normals(touches: Touches, end: int, state: Floats, first: int = 0) -> N
 def rub(held: Vec, mass: float, slip: Vec, most: float) -> Vec:
     """The impulse of friction that stops the slip, or else is as large as it may be."""
     after = axpy(-mass, slip, held)
-    size = dot(after, after)
-    if size > most * most:
-        after = scale(most / math.sqrt(size), after)
+    square = dot(after, after)
+    if square > most * most:
+        after = scale(most / square * math.sqrt(square), after)
     return after
 
 
@@ -289,3 +291,41 @@ def drop_blows(touches: Touches, count: int) -> None:
             touch[t, at.T_NORMAL] = 0.0
             store3(touch, t, at.T_TANGENT, (0.0, 0.0, 0.0))
         rest[t, at.R_SPIKE] = 0.0
+
+
+@kernel
+def kick_spheres(bodies: Bodies, mover: Floats, setting: Floats, count: Ints, h: float) -> None:
+    """Gravity, applied loads and damping for h seconds on all bodies in contact."""
+    body, load, kind = bodies.body, bodies.load, bodies.kind
+    g = load3(setting, 0, at.GRAVITY)
+    for b in range(count[0, at.BODIES]):
+        if kind[b, at.TOUCHED] == 1 and kind[b, at.MOTION] == at.DYNAMIC:
+            v = axpy(h, axpy(mover[b, at.M_INV_MASS], load3(load, b, 0), g), load3(mover, b, 0))
+            w = axpy(h * mover[b, at.M_INV_INERTIA], load3(load, b, 3), load3(mover, b, 3))
+            if body[b, at.LINEAR_DAMPING] > 0.0:
+                v = scale(exp(-h * body[b, at.LINEAR_DAMPING]), v)
+            if body[b, at.ANGULAR_DAMPING] > 0.0:
+                w = scale(exp(-h * body[b, at.ANGULAR_DAMPING]), w)
+            store3(mover, b, 0, v)
+            store3(mover, b, 3, w)
+
+
+@kernel
+def drift_spheres(bodies: Bodies, mover: Floats, count: Ints, h: float) -> None:
+    """Move all bodies in contact for h seconds; `end_spheres` makes the quaternions unit."""
+    state, kind = bodies.state, bodies.kind
+    for b in range(count[0, at.BODIES]):
+        if kind[b, at.TOUCHED] == 1 and kind[b, at.MOTION] == at.DYNAMIC:
+            store3(state, b, at.P, axpy(h, load3(mover, b, 0), load3(state, b, at.P)))
+            store4(state, b, at.Q, quat_spin(load4(state, b, at.Q), load3(mover, b, 3), h))
+
+
+@kernel
+def end_spheres(bodies: Bodies, mover: Floats, count: Ints) -> None:
+    """Put the velocities of all bodies in contact back into the state."""
+    state, kind = bodies.state, bodies.kind
+    for b in range(count[0, at.BODIES]):
+        if kind[b, at.TOUCHED] == 1 and kind[b, at.MOTION] == at.DYNAMIC:
+            store4(state, b, at.Q, quat_unit(load4(state, b, at.Q)))
+            store3(state, b, at.V, load3(mover, b, 0))
+            store3(state, b, at.W, load3(mover, b, 3))

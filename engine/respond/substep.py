@@ -7,8 +7,7 @@ from plumbline.engine.maths.rows import Floats, Mat, Vec, load3, store3
 from plumbline.engine.maths.vec import add, axpy, dot, mat_vec, tmat_vec
 from plumbline.engine.memory import arena as at
 from plumbline.engine.memory.tables import Bodies, Contacts
-from plumbline.engine.respond.centre import Centre, centre_of, frame_of, give_impulse, relative_motion
-from plumbline.engine.respond.pair import motion_of, pair_of
+from plumbline.engine.respond.centre import Centre, centre_of, frame_of, give_impulse, motion_of, pair_of, relative_motion
 from plumbline.engine.respond.softness import STUCK, TOUCHING
 
 

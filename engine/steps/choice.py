@@ -1,4 +1,4 @@
-"""Which compiled step advances a world: the one that runs exactly the stages which its contents call for."""
+"""Which compiled step advances a world, and which narrow phase: those that run just the stages that its contents call for."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -108,3 +108,26 @@ def unsmooth_of(joints: Sequence[Joint]) -> str:
     if any(getattr(joint, "speed_limit", math.inf) < math.inf for joint in joints):
         return "a limit of speed"
     return "dry friction" if any(getattr(joint, "friction_loss", 0.0) > 0 for joint in joints) else ""
+
+
+Collide = Callable[[Floats, Ints], None]
+
+
+def load_collide(moving_meshes: bool) -> Collide:
+    """That of convex shapes, or, where forces move triangle meshes, the one that knows these too."""
+    if moving_meshes:
+        from plumbline.engine.contact.collide_meshes import collide_meshes
+
+        return collide_meshes
+    from plumbline.engine.contact.collide_convex import collide_convex
+
+    return collide_convex
+
+
+def load_sorting(coloured: bool) -> Collide | None:
+    """What sorts the pairs of a step by colours, where these are wanted."""
+    if not coloured:
+        return None
+    from plumbline.engine.contact.colours import sort_pairs
+
+    return sort_pairs

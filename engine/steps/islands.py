@@ -2,8 +2,7 @@
 
 from plumbline.engine.compile.jit import entry, kernel, parallel_entry
 from plumbline.engine.constrain.stages import hold_nothing
-from plumbline.engine.islands.stages import begin_islands
-from plumbline.engine.islands.steps import in_turn, on_threads, step_by_islands
+from plumbline.engine.islands.stages import begin_islands, in_turn, on_threads, step_by_islands
 from plumbline.engine.maths.rows import Floats, Ints
 
 

@@ -5,8 +5,7 @@ from plumbline.engine.constrain.hold_joints import hold
 from plumbline.engine.constrain.open_joints import open_joint
 from plumbline.engine.constrain.reactions import clear_reactions
 from plumbline.engine.islands.contacts import make_room_for_rows
-from plumbline.engine.islands.stages import begin_islands
-from plumbline.engine.islands.steps import in_turn, on_threads, step_by_islands
+from plumbline.engine.islands.stages import begin_islands, in_turn, on_threads, step_by_islands
 from plumbline.engine.maths.rows import Floats, Ints
 from plumbline.engine.memory import arena as at
 from plumbline.engine.memory.carve import ints_of

@@ -108,17 +108,16 @@ def advance_world(kernels: Addresses, floats: Floats, ints: Ints, place: Ints, w
     own_floats, own_ints = floats[place[w, 0] : place[w, 1]], ints[place[w, 2] : place[w, 3]]
     status[w] = DONE
     while left[w] > 0:
-        if kernels.search != 0 and status[w] != CONVEX_PENDING:
-            status[w] = call_search(kernels.search, (own_floats, own_ints))
-            if status[w] != DONE:
-                return 1
-            if kernels.sift != 0:
-                call_collide(kernels.sift, (own_floats, own_ints))
-        done, status[w] = call_step(kernels.step, (own_floats, own_ints, left[w] if kernels.search == 0 else 1))
+        done, status[w] = call_step(kernels.step, (own_floats, own_ints, left[w]))
         left[w] -= done
-        if status[w] == CONVEX_PENDING and kernels.collide != 0:
+        if status[w] == SEARCH_PENDING:
+            status[w] = call_search(kernels.search, (own_floats, own_ints))
+            if status[w] == DONE and kernels.sift != 0:
+                call_collide(kernels.sift, (own_floats, own_ints))
+        elif status[w] == CONVEX_PENDING and kernels.collide != 0:
             call_collide(kernels.collide, (own_floats, own_ints))
-        elif status[w] not in (DONE, SEARCH_PENDING):
+            status[w] = DONE
+        if status[w] != DONE:
             return 1
     return 0
 

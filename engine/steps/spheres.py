@@ -16,9 +16,17 @@ from plumbline.engine.memory.carve import floats_of, ints_of
 from plumbline.engine.memory.status import DIVERGED, DONE
 from plumbline.engine.memory.tables import bodies_of
 from plumbline.engine.respond.softness import FRESH, PRESS, PUSH, REBOUND, RELAX, TURN, slow_approach, softness_of
-from plumbline.engine.respond.sphere_motion import drift_spheres, end_spheres, kick_spheres
 from plumbline.engine.respond.sphere_sweeps import as_found
-from plumbline.engine.respond.spheres import any_struck, choose_friction, drop_blows, note_strikes, touches_of
+from plumbline.engine.respond.spheres import (
+    any_struck,
+    choose_friction,
+    drift_spheres,
+    drop_blows,
+    end_spheres,
+    kick_spheres,
+    note_strikes,
+    touches_of,
+)
 from plumbline.engine.steps.count_step import count_step
 
 MANY = 16

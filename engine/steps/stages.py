@@ -83,28 +83,20 @@ def near_blows(kind: Ints, contacts: Contacts, room: Ints, step: int) -> int:
         return 0
     for rank in range(len(contacts.order)):
         for side in (at.BODY_A, at.BODY_B):
-            b = key[contacts.order[rank, 0], side]
-            if kind[b, at.MOTION] == at.DYNAMIC:
-                kind[b, rings] = RINGS + 1
+            kind[key[contacts.order[rank, 0], side], rings] = RINGS + 1
     for ring in range(RINGS + 1):
         for rank in range(len(contacts.order)):
             m = contacts.order[rank, 0]
-            a, b = key[m, at.BODY_A], key[m, at.BODY_B]
-            a_moves, b_moves = kind[a, at.MOTION] == at.DYNAMIC, kind[b, at.MOTION] == at.DYNAMIC
             source = key[m, at.STRIKES] == 1 or key[m, at.BEGUN] == step
             if ring > 0:
-                source = (a_moves and kind[a, rings] == ring - 1) or (b_moves and kind[b, rings] == ring - 1)
-            if source and a_moves:
-                kind[a, rings] = min(kind[a, rings], ring)
-            if source and b_moves:
-                kind[b, rings] = min(kind[b, rings], ring)
+                source = kind[key[m, at.BODY_A], rings] == ring - 1 or kind[key[m, at.BODY_B], rings] == ring - 1
+            for side in (at.BODY_A, at.BODY_B):
+                if source and kind[key[m, side], at.MOTION] == at.DYNAMIC:
+                    kind[key[m, side], rings] = min(kind[key[m, side], rings], ring)
     n = 0
     for rank in range(len(contacts.order)):
         m = contacts.order[rank, 0]
-        a, b = key[m, at.BODY_A], key[m, at.BODY_B]
-        if (kind[a, at.MOTION] == at.DYNAMIC and kind[a, rings] <= RINGS) or (
-            kind[b, at.MOTION] == at.DYNAMIC and kind[b, rings] <= RINGS
-        ):
+        if min(kind[key[m, at.BODY_A], rings], kind[key[m, at.BODY_B], rings]) <= RINGS:
             room[n, 0] = m
             n += 1
     return n
@@ -136,21 +128,15 @@ def _solve(
     share_loads(bodies, group.sharing, group.sums)
     visit(floats, ints, bodies, contacts, soft, PUSH)
     holding(bodies, joints, rows, held, NEW, soft.h)
-    for _ in range(count[0, at.ITERATIONS] if effort.times > 0 else 0):
-        visit(floats, ints, bodies, contacts, soft, PRESS)
+    for k in range(count[0, at.ITERATIONS] * effort.times):
+        visit(floats, ints, bodies, contacts if k % effort.times == 0 else effort.near, soft, PRESS)
         holding(bodies, joints, rows, held, KNOWN, soft.h)
-        for _ in range(effort.times - 1):
-            visit(floats, ints, bodies, effort.near, soft, PRESS)
-            holding(bodies, joints, rows, held, KNOWN, soft.h)
     drift_all(bodies, group.touched, count, soft.h)
     visit(floats, ints, bodies, contacts, soft, TURN)
     share_loads(bodies, group.sharing, group.sums)
-    for _ in range(count[0, at.RELAXATIONS] if effort.times > 0 else 0):
-        visit(floats, ints, bodies, contacts, soft, RELAX)
+    for k in range(count[0, at.RELAXATIONS] * effort.times):
+        visit(floats, ints, bodies, contacts if k % effort.times == 0 else effort.near, soft, RELAX)
         holding(bodies, joints, rows, held, KNOWN, soft.h)
-        for _ in range(effort.times - 1):
-            visit(floats, ints, bodies, effort.near, soft, RELAX)
-            holding(bodies, joints, rows, held, KNOWN, soft.h)
     return bounce(contacts)
 
 

@@ -7,8 +7,7 @@ Source: Ericson, Real-Time Collision Detection, sections 5.5.8 (interval of time
 
 import math
 
-from plumbline.engine.broad.bounds import boxes_overlap
-from plumbline.engine.broad.collision_filter import CollisionFilter, collision_filter_of, kept_apart
+from plumbline.engine.broad.bounds import CollisionFilter, boxes_overlap, collision_filter_of, kept_apart
 from plumbline.engine.compile.jit import entry, kernel
 from plumbline.engine.contact.look_ahead import look_ahead
 from plumbline.engine.maths.rows import Floats, Ints, load3

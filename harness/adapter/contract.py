@@ -59,7 +59,7 @@ from plumbline.harness.scene import Effect, Scene
 from plumbline.harness.trajectory import Floats
 
 if TYPE_CHECKING:
-    from plumbline.harness.scene.parity.facts import RobotFacts
+    from plumbline.harness.scene.parity.canonical import Canonical
     from plumbline.harness.scene.parity.loaded import Loaded, Request
     from plumbline.harness.scene.parity.parting import Motion
 
@@ -249,8 +249,8 @@ class Adapter(ABC):
         """
         raise Unsupported(f"{path.name} by loader {request.way!r}", f"{self.title} has no loader of its own for URDF and MJCF")
 
-    def move_robot(self, robot: "RobotFacts", motion: "Motion") -> Floats:  # noqa: ARG002  # an engine may decline
-        """Positions of a robot of facts that torques move: (samples, joints, 4), DT apart from the start on.
+    def move_robot(self, robot: "Canonical", motion: "Motion") -> Floats:  # noqa: ARG002  # an engine may decline
+        """Positions of a robot in canonical form that torques move: (samples, joints, 4), DT apart from the start on.
 
         Each is the coordinate [rad or m] and zeros, or the quaternion of a ball or free joint in W.
 

@@ -3,8 +3,8 @@
 from collections.abc import Iterator
 
 from plumbline.harness.adapter import Feature
-from plumbline.harness.adapter.disjoint_sets import DisjointSets
 from plumbline.harness.adapter.distance_springs import is_distance_spring
+from plumbline.harness.adapter.spanning_forest import DisjointSets
 from plumbline.harness.scene import WORLD, Ball, Distance, Effect, Fixed, Joint, Scene
 
 _DAMPING = {Effect.LINEAR_DAMPING: Feature.LINEAR_DAMPING, Effect.ANGULAR_DAMPING: Feature.ANGULAR_DAMPING}

@@ -13,8 +13,8 @@ from typing import Any, cast
 import numpy as np
 
 from plumbline.harness.adapter.contract import Unsupported
-from plumbline.harness.adapter.disjoint_sets import DisjointSets
 from plumbline.harness.adapter.simulation import Simulation
+from plumbline.harness.adapter.spanning_forest import DisjointSets
 from plumbline.harness.adapter.what_goes_in import check_wrench
 from plumbline.harness.scene import WORLD, Ball, Body, Distance, Fixed, Joint, Prismatic, Revolute, Scene, principal_inertia
 from plumbline.harness.trajectory import Floats

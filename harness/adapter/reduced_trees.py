@@ -5,8 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from plumbline.harness.adapter.disjoint_sets import DisjointSets
-from plumbline.harness.adapter.spanning_forest import Branch, spanning_forest
+from plumbline.harness.adapter.spanning_forest import Branch, DisjointSets, spanning_forest
 from plumbline.harness.scene import WORLD, Body, Effect, Fixed, Joint, Prismatic, Revolute, Scene
 
 _OFF = 1e-6

@@ -10,8 +10,8 @@ from collections.abc import Callable, Iterable
 
 from plumbline.harness.adapter.carried_laws import carried
 from plumbline.harness.adapter.contract import Unsupported
-from plumbline.harness.adapter.disjoint_sets import DisjointSets
 from plumbline.harness.adapter.distance_springs import is_distance_spring
+from plumbline.harness.adapter.spanning_forest import DisjointSets
 from plumbline.harness.scene import WORLD, Prismatic, Revolute, Scene
 
 NEAR = 1e-4

@@ -60,3 +60,12 @@ class Settings:
         told = {one.name: getattr(self, one.name) for one in fields(self)} if flat else asdict(self)
         told["options"] = dict(told["options"])
         return {name: value for name, value in told.items() if value not in (None, "", {})}
+
+
+BITS, OF_ONE_MACHINE = "bits", "of one machine"
+"""The option, and its value where a step asks a library whose last bits go with the processor, like LAPACK."""
+
+
+def only_here(resolved: Mapping[str, Any]) -> bool:
+    """Do these settings promise their bits on one machine alone? Args: resolved: as a record has them."""
+    return bool(resolved.get("options", {}).get(BITS) == OF_ONE_MACHINE)

@@ -1,4 +1,4 @@
-"""A spanning forest of joints: which of them make trees, which close loops, and the bodies of a tree from its root on."""
+"""Disjoint sets, and a spanning forest of joints: what makes trees, what closes loops, and a tree's bodies from its root."""
 
 from collections import deque
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
@@ -6,10 +6,33 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Generic, TypeVar
 
-from plumbline.harness.adapter.disjoint_sets import DisjointSets
-
 Node = TypeVar("Node", bound=Hashable)
 Edge = TypeVar("Edge")
+
+
+class DisjointSets(Generic[Node]):
+    """Sets of hashable members, each alone until it is united with another.
+
+    Not SciPy's: its module of hierarchies takes half a second to import, and a command pays for that before it does anything.
+
+    Source: Tarjan, Efficiency of a good but not linear set union algorithm, J. ACM 22 (1975) 215 (path halving).
+    """
+
+    def __init__(self) -> None:
+        self._above: dict[Node, Node] = {}
+
+    def root(self, member: Node) -> Node:
+        """The member that stands for the set."""
+        above = self._above
+        while (over := above.setdefault(member, member)) != member:
+            above[member] = member = above[over]
+        return member
+
+    def unite(self, a: Node, b: Node) -> bool:
+        """Make one set of two; False where they are one already."""
+        a, b = self.root(a), self.root(b)
+        self._above[b] = a
+        return a != b
 
 
 @dataclass(frozen=True, slots=True)

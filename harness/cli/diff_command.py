@@ -1,12 +1,11 @@
 """The command that compares two run folders."""
 
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from plumbline.harness.cli.guard import GATE, say
+from plumbline.harness.cli.guard import fail_for, say
 from plumbline.harness.cli.listing import print_json
 from plumbline.harness.cli.options import opened
 
@@ -30,7 +29,7 @@ def diff(folder_a: Path, folder_b: Path, form: str, out: Path | None, gated: tup
     """What changed from DIR_A to DIR_B: accuracy exactly, time over what else was clocked in the same run."""
     from plumbline.harness.findings.changes import compare
     from plumbline.harness.findings.changes.files import comment, flat_rows
-    from plumbline.harness.findings.changes.words import gate_in_short
+    from plumbline.harness.findings.changes.words import gate_in_short, sentence
 
     store_a, store_b = opened(folder_a), opened(folder_b)
     for engine in gated:
@@ -44,17 +43,11 @@ def diff(folder_a: Path, folder_b: Path, form: str, out: Path | None, gated: tup
     else:
         _print(changes)
     if out is not None:
-        say(str(_write(changes, store_b, out, gated, least)), err=form != "text")
-    barred = changes.regressions(gated)
-    for row in barred:
-        from plumbline.harness.findings.changes.words import sentence
-
-        say(f"gate: {sentence(row)}", err=True)
-    short = changes.judged_of(gated).share < least
-    if short:
-        say(f"gate: {gate_in_short(changes, gated, least)}", err=True)
-    if barred or short:
-        sys.exit(GATE)
+        say(str(write_changes(changes, store_b, out, gated, least)), err=form != "text")
+    barred = [sentence(row) for row in changes.regressions(gated)]
+    if changes.judged_of(gated).share < least:
+        barred.append(gate_in_short(changes, gated, least))
+    fail_for([f"gate: {reason}" for reason in barred])
 
 
 def _print(changes: "Changes") -> None:
@@ -74,8 +67,8 @@ def _print(changes: "Changes") -> None:
         say(f"not compared: {text}", err=True)
 
 
-def _write(changes: "Changes", store: "Store", out: Path, gated: tuple[str, ...], least: float) -> Path:
-    """The files of a comparison. Returns: its page."""
+def write_changes(changes: "Changes", store: "Store", out: Path, gated: tuple[str, ...], least: float) -> Path:
+    """What changed, for build servers and other trackers, and as a page. Returns: the page. Raises: OSError."""
     from plumbline.harness.findings.changes.files import changes_files
     from plumbline.harness.store.disk import make_folder, write_atomically
     from plumbline.reports import changes_page

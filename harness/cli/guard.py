@@ -38,12 +38,12 @@ def say(sentence: str, err: bool = False) -> None:
     click.echo(one_line(sentence), err=err)
 
 
-def fail_for(sentences: Sequence[str]) -> None:
-    """Say these on standard error; end the process with exit code `GATE` if there are any."""
+def fail_for(sentences: Sequence[str], code: int = GATE) -> None:
+    """Say these on standard error; end the process with this exit code if there are any."""
     for sentence in sentences:
         say(sentence, err=True)
     if sentences:
-        sys.exit(GATE)
+        sys.exit(code)
 
 
 class _Notices:

@@ -70,7 +70,7 @@ def print_markdown(columns: Sequence[str], rows: Sequence[Sequence[object]]) -> 
     print("| " + " | ".join(map(markdown_cell, columns)) + " |")
     print("|" + "".join("--:|" if number else "---|" for number in _numeric(columns, rows)))
     for row in rows:
-        print("| " + " | ".join(map(_markdown_value, row)) + " |")
+        print("| " + " | ".join(_value(cell, "-", " to ", f"{{:.{DIGITS}g}}".format, markdown_cell) for cell in row) + " |")
 
 
 DIGITS = 3
@@ -91,7 +91,7 @@ def print_latex(columns: Sequence[str], rows: Sequence[Sequence[object]], source
     print(" & ".join(map(latex_cell, columns)) + r" \\")
     print(r"\midrule")
     for row in rows:
-        print(" & ".join(map(_latex_value, row)) + r" \\")
+        print(" & ".join(_value(cell, "--", "--", _latex_number, latex_cell) for cell in row) + r" \\")
     print(r"\bottomrule")
     print(r"\end{tabular}")
 
@@ -105,28 +105,17 @@ def _is_number(value: object) -> bool:
     return isinstance(value, int | float | Span) and not isinstance(value, bool)
 
 
-def _markdown_value(value: object) -> str:
+def _value(value: object, gap: str, to: str, number: Callable[[float], str], text: Callable[[object], str]) -> str:
+    """A cell of a paper or a note. Args: gap: where there is nothing. to: between the ends of a span."""
     match value:
         case None:
-            return "-"
+            return gap
         case Span(low, high):
-            return f"{low:.{DIGITS}g} to {high:.{DIGITS}g}"
+            return f"{number(low)}{to}{number(high)}"
         case float():
-            return f"{value:.{DIGITS}g}"
+            return number(value)
         case _:
-            return markdown_cell(value)
-
-
-def _latex_value(value: object) -> str:
-    match value:
-        case None:
-            return "--"
-        case Span(low, high):
-            return f"{_latex_number(low)}--{_latex_number(high)}"
-        case float():
-            return _latex_number(value)
-        case _:
-            return latex_cell(value)
+            return text(value)
 
 
 def _latex_number(number: float) -> str:

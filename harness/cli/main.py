@@ -6,7 +6,7 @@ from plumbline.harness.cli.command_page import glossary
 from plumbline.harness.cli.diff_command import diff
 from plumbline.harness.cli.findings_command import findings
 from plumbline.harness.cli.guard import Guarded
-from plumbline.harness.cli.history_group import history
+from plumbline.harness.cli.history_command import history
 from plumbline.harness.cli.installed import cases, check, engines, warm
 from plumbline.harness.cli.nightly_command import nightly
 from plumbline.harness.cli.parity_command import parity

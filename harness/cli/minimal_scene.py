@@ -23,7 +23,7 @@ _OF_A_RUN = ("duration", "dt", "seed")
 
 
 def write_minimal(store: "Store", case: "Case") -> tuple[Path, list[str]] | None:
-    """Write the scene without the effects that its audit finds idle, by a judge that has converged.
+    """Write the scene without the effects that its audit finds idle, by those that can judge it.
 
     Returns: the file and the effects; None where the audit proposes nothing. Raises: OSError.
     """
@@ -40,9 +40,7 @@ def write_minimal(store: "Store", case: "Case") -> tuple[Path, list[str]] | None
     source = Path(case.name.removeprefix(SCENE_PREFIX))
     path = store.folder / MINIMAL / f"{source.stem}.minimal.toml"
     disk.make_folder(path.parent)
-    heading = (
-        f"# {case.title} without what its motion does not show: {', '.join(names)}; found on the engine '{audited.judge}'.\n"
-    )
+    heading = f"# {case.title} without what its motion does not show: {', '.join(names)}. {audited.judges()}.\n"
     disk.write_atomically(path, (heading + dump_toml(minimal)).encode())
     own = load_companion(beside(source))
     run = {"duration": case.duration} | {key: value for key in _OF_A_RUN if (value := getattr(own, key)) is not None}

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from plumbline.api.engines import chosen_engines
+from plumbline.harness.cli.diff_command import write_changes
 from plumbline.harness.cli.guard import GATE, INTERRUPTED, USAGE, say, stop
 from plumbline.harness.cli.options import Seconds, agreed
 from plumbline.harness.intake.safe_text import quoted
@@ -151,13 +152,14 @@ def _night(
             ended = time.monotonic()
             write_summary(done.store)
             news = compared(done)
-            _write_comparison(done, news)
-            if reported and done.budget.seconds - done.budget.taken() < done.budget.closing / 2:
+            if news is not None:  # before the report, whose first page leads to it
+                write_changes(news.changes, done.store, night.folder / "changes", asked.gated, asked.least)
+            if reported and done.budget.rest() < done.budget.closing / 2:
                 say(f"no time was left for the pages; plumbline report {night.folder} makes them", err=True)
             elif reported:
                 not_made = _present(done, news)
             about = shelf()
-            rows = asked_again(about, asked.adapters, lambda: done.budget.seconds - done.budget.taken())
+            rows = asked_again(about, asked.adapters, done.budget.rest)
             changed = turned(about, rows, [earlier.plan for earlier in history.whole_nights() if earlier != night])
             account = accounted(done, news, time.monotonic() - ended) | {"findings": rows}
             summary = _write_summary(history, done, news, account, changed)
@@ -175,7 +177,7 @@ def _night(
     for line in (*lines_of(news, account, changed, failing), *not_made):
         say(line)
     say(str(summary))
-    return bool(failing or not_made), summary, lambda: done.budget.seconds - done.budget.taken()
+    return bool(failing or not_made), summary, done.budget.rest
 
 
 @contextmanager
@@ -202,31 +204,18 @@ def _present(done: "Steering", news: "News | None") -> list[str]:
     return build(done.night.folder).sentences()
 
 
-def _write_comparison(done: "Steering", news: "News | None") -> None:
-    """What changed, for build servers and other trackers, and as a page: before the report, whose first page leads to it."""
-    from plumbline.harness.findings.changes.files import changes_files
-    from plumbline.harness.store.disk import make_folder, write_atomically
-    from plumbline.reports import changes_page
-
-    folder = done.night.folder / "changes"
-    make_folder(folder)
-    if news is not None:
-        for name, content in changes_files(news.changes, done.store, done.request.gated, done.request.least).items():
-            write_atomically(folder / name, content)
-        changes_page(news.changes, folder, done.request.gated)
-
-
 def _write_summary(
     history: "History", done: "Steering", news: "News | None", account: dict[str, Any], findings: Sequence[str]
 ) -> Path:
     """What changed, for people. Returns: summary.md."""
     from plumbline.harness.history.identity import acknowledged
     from plumbline.harness.history.sentences import open_since, summary
-    from plumbline.harness.store.disk import write_atomically
+    from plumbline.harness.store.disk import make_folder, write_atomically
 
     plans = [night.plan for night in history.whole_nights() if night != done.night]
     standing = open_since(plans, acknowledged(history)[0], () if news is None else news.ended, account["told"])
     path = done.night.folder / "changes" / "summary.md"
+    make_folder(path.parent)
     write_atomically(path, summary(news, account, standing, findings).encode())
     return path
 

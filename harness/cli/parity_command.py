@@ -13,8 +13,8 @@ from plumbline.harness.intake.import_wishes import Wishes, package_roots
 
 if TYPE_CHECKING:
     from plumbline.harness.run.importer_audit import LoaderReading
+    from plumbline.harness.scene.parity.canonical import Canonical
     from plumbline.harness.scene.parity.difference import Difference
-    from plumbline.harness.scene.parity.facts import RobotFacts
     from plumbline.harness.scene.parity.parting import Parting
     from plumbline.harness.store.imported_scenes import ParityRecord, ParitySide
 
@@ -67,10 +67,9 @@ def _pair(file: Path, other: Path, wishes: Wishes, as_json: bool, options: dict[
     """Compare two files. Do they differ?"""
     from dataclasses import asdict
 
-    from plumbline.harness.scene.parity.comparison import compare, compared, renamed
+    from plumbline.harness.scene.parity.canonical import joint_names, pair_of, renamed
+    from plumbline.harness.scene.parity.comparison import compare, compared
     from plumbline.harness.scene.parity.difference import plain
-    from plumbline.harness.scene.parity.joint_names import joint_names
-    from plumbline.harness.scene.parity.stated import pair_of
     from plumbline.harness.store.imported_scenes import ParitySide
 
     if options["move"] is not None and options["commands"] is not None:
@@ -100,15 +99,15 @@ def _pair(file: Path, other: Path, wishes: Wishes, as_json: bool, options: dict[
     return bool(rows)
 
 
-def _moved(a: "RobotFacts", b: "RobotFacts", options: dict[str, Any], as_json: bool) -> "Parting":
+def _moved(a: "Canonical", b: "Canonical", options: dict[str, Any], as_json: bool) -> "Parting":
     """Both under the same torques. Raises: RobotError, Unsupported."""
     import numpy as np
 
     from plumbline.harness.intake.error import RobotError
-    from plumbline.harness.scene.parity.comparison import EARTH, aligned
-    from plumbline.harness.scene.parity.motion import Configuration
+    from plumbline.harness.scene import EARTH_GRAVITY
+    from plumbline.harness.scene.parity.canonical import aligned
+    from plumbline.harness.scene.parity.motion import Configuration, drawn
     from plumbline.harness.scene.parity.parting import motion_of, parting
-    from plumbline.harness.scene.parity.states import drawn
     from plumbline.harness.study import plugins
 
     partner = aligned(a, b)
@@ -116,9 +115,9 @@ def _moved(a: "RobotFacts", b: "RobotFacts", options: dict[str, Any], as_json: b
         raise RobotError(
             "--move: the trees of the two files differ, so that no motion of both can be compared; --map may mend it"
         )
-    gravity = np.array(a.gravity or b.gravity or EARTH)
+    gravity = np.array(a.gravity or b.gravity or EARTH_GRAVITY)
     start: Configuration = drawn(a, partner, options["seed"])[0]
-    if any(law.kind == "closure" for law in (*a.laws, *partner.laws)):
+    if any(closure.kind != "spring" for closure in (*a.closures, *partner.closures)):
         start = Configuration(np.zeros(len(a.joints)), {}, start.rates)
     commands, held = options["commands"], options["commands"] is not None and not options["interpolate"]
     motion = motion_of(
@@ -208,7 +207,7 @@ def _side(reading: "LoaderReading") -> "ParitySide":
 
 def _keep(
     file: Path,
-    a: "RobotFacts",
+    a: "Canonical",
     root: str,
     sides: "tuple[ParitySide, ...]",
     options: dict[str, Any],

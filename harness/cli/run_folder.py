@@ -3,7 +3,7 @@ it, and the dataset that it may become.
 """
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,24 +13,19 @@ from plumbline.harness.cli.guard import GATE, MACHINE, fail_for, say, stop
 from plumbline.harness.cli.listing import print_csv, print_json, print_latex, print_markdown, print_table
 from plumbline.harness.cli.options import limited, opened, run_folder
 from plumbline.harness.cli.own_scene import shown_status
-from plumbline.harness.cli.paper_trials import paper_trials, titles_of
 from plumbline.harness.findings import tables
-from plumbline.harness.findings.columns import Column, Row, headings
+from plumbline.harness.findings.columns import Column, Row, Titles, headings, milli, span
 from plumbline.harness.findings.parameter_words import step_in_words, substeps_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
-    from plumbline.harness.findings.columns import Row
     from plumbline.harness.store.store import Store
     from plumbline.reports.html.written import WrittenReport
-
 
 _TABLES = ("trials", "measurements", "samples")
 """Stored as they are; the others are worked out, one file each in `harness.findings.tables`."""
 
 
-def _stored(store: "Store", table: str) -> "tuple[list[dict[str, Any]], Sequence[str]]":
+def _stored(store: "Store", table: str) -> tuple[list[dict[str, Any]], Sequence[str]]:
     """The rows of a stored table and its columns."""
     from plumbline.harness.store.rows import records
 
@@ -50,7 +45,7 @@ def show(folder: Path, table: str, form: str) -> None:
     store = opened(folder)
     worked_out = None if table in _TABLES else tables.table(table)
     if worked_out is not None and form in ("markdown", "latex"):
-        _print_for_paper(store, form, worked_out.printed(store, lambda: titles_of(store)))
+        _print_for_paper(store, form, worked_out.printed(store, lambda: _titles_of(store)))
         return
     rows, columns = _stored(store, table) if worked_out is None else (worked_out.rows(store), worked_out.columns)
     if form == "json":
@@ -59,7 +54,7 @@ def show(folder: Path, table: str, form: str) -> None:
         print_csv(columns, rows)
     elif form in ("markdown", "latex"):
         whole = list(columns), [[row[name] for name in columns] for row in rows]
-        _print_for_paper(store, form, paper_trials(store, rows) if table == "trials" else whole)
+        _print_for_paper(store, form, _paper_trials(store, rows) if table == "trials" else whole)
     elif worked_out is not None:
         print_table(table, headings(worked_out.shown), rows, worked_out.brief)
         for sentence in worked_out.sentences(rows):
@@ -79,12 +74,46 @@ def _print_for_paper(store: "Store", form: str, printed: tuple[list[str], list[l
         print_latex(*printed, citation(store))
 
 
-def _short(name: str) -> "Callable[[Row], object]":
+def _titles_of(store: "Store") -> Titles:
+    """What cases and engines are called on pages."""
+    from plumbline.reports.words.catalogue import cases, engines
+
+    of_cases = {name: str(case["title"]) for name, case in cases(store).items()}
+    return Titles(of_cases, {name: str(engine["title"]) for name, engine in engines(store).items()})
+
+
+def _paper_trials(store: "Store", rows: Sequence[Row]) -> tuple[list[str], list[list[object]]]:
+    """The table of trials as a paper prints it: titles for names, units in headings, digits that count."""
+    titles, cases, table = _titles_of(store), store.catalogue.get("cases", {}), store.measurements
+    values = {
+        (trial, metric): (float(value), str(unit))
+        for trial, metric, value, unit in zip(table["trial"], table["metric"], table["value"], table["unit"], strict=True)
+    }
+
+    def error(row: Row) -> tuple[float | None, str]:
+        return values.get((row["trial"], cases.get(row["case"], {}).get("headline", "")), (None, ""))
+
+    columns = (
+        Column("Case", lambda row: titles.cases[row["case"]]),
+        Column("Engine", lambda row: titles.engines[row["engine"]]),
+        Column("Track", "track"),
+        Column("Time step [ms]", lambda row: milli(row["dt"])),
+        Column("Sub-steps", lambda row: substeps_of(str(row["resolved"]))),
+        Column("Error", lambda row: error(row)[0]),
+        Column("Unit", lambda row: error(row)[1]),
+        Column("CPU time [ms/s]", lambda row: milli(row["cpu_per_sim_s"])),
+        Column("95 % interval", lambda row: span(milli(row["cpu_low"]), milli(row["cpu_high"]))),
+        Column("Outcome", "status"),
+    )
+    return headings(columns), [[column.cell(row) for column in columns] for row in rows]
+
+
+def _short(name: str) -> Callable[[Row], object]:
     """What makes a cell of a stored value: numbers in four digits."""
     return lambda row: f"{row[name]:.4g}" if isinstance(row[name], float) else row[name]
 
 
-def _shown_trials(rows: "Sequence[Row]") -> "list[Column]":
+def _shown_trials(rows: Sequence[Row]) -> list[Column]:
     """What a terminal has room for of the trials."""
     recalled = ["recalled"] if any(row["recalled"] for row in rows) else []
     return [
@@ -154,13 +183,10 @@ def verify(folder: Path) -> None:
     """Check each file of DIR, a run or a history, against its checksum and the journal; a line for what is not as written."""
     from plumbline.harness.history.folder import opened as opened_history
     from plumbline.harness.history.retention import problems_of
-    from plumbline.harness.run.verify import notices, problems
+    from plumbline.harness.run.verify import problems
 
     history = opened_history(folder) if (folder / "history.json").is_file() else None
     sentences = [str(problem) for problem in (problems(folder) if history is None else problems_of(history))]
-    for each in [folder] if history is None else [night.folder for night in history.nights()]:
-        for notice in notices(each):
-            say(notice, err=True)
     for sentence in sentences:
         say(sentence)
     say(f"{len(sentences)} problems" if sentences else "every file is as it was written", err=True)
@@ -262,11 +288,7 @@ def publish(folder: Path, out: Path | None) -> None:
     from plumbline.harness.store.published import FOLDER, MOST_BYTES, publish
 
     store, target = opened(folder), out or FOLDER
-    problems_found = [str(problem) for problem in problems(folder)]
-    for sentence in problems_found:
-        say(sentence, err=True)
-    if problems_found:
-        sys.exit(MACHINE)
+    fail_for([str(problem) for problem in problems(folder)], MACHINE)
     total = publish(store, target)
     say(f"{target}: {total} of at most {MOST_BYTES} bytes, {len(store.trials)} trials")
     if out is None and (readme := FOLDER.resolve().parents[2] / "README.md").is_file():

@@ -16,10 +16,8 @@ from plumbline.api.engines import chosen_engines
 from plumbline.api.present import present
 from plumbline.harness.cli.guard import GATE, INTERRUPTED, USAGE, check_words, fail_for, say, stop
 from plumbline.harness.cli.options import agreed, limited
-from plumbline.harness.cli.own_import import scene_to_run
 from plumbline.harness.cli.own_scene import closing_count, closing_words, waiting
-from plumbline.harness.cli.robot_options import NAMES, is_robot, is_scene, robot_options, run_options
-from plumbline.harness.cli.zoo_run import ZOO, run_zoo
+from plumbline.harness.cli.robot_options import NAMES, is_robot, is_scene, robot_options, run_options, scene_to_run
 from plumbline.harness.intake.safe_text import quoted
 
 if TYPE_CHECKING:
@@ -67,7 +65,7 @@ def merge(folders: tuple[Path, ...], out: Path) -> None:
 def failures(store: "Store") -> list[str]:
     """What the gate is about: the reference engine's checks on the tuned track and its determinism, the audit of effects, and
     tuned tracks of all engines that a change of one knob beats without a reason."""
-    from plumbline.harness.findings.effects_audit import JUDGE, audit
+    from plumbline.harness.findings.effects_audit import audit
     from plumbline.harness.findings.parameter_words import step_in_words, substeps_of
     from plumbline.harness.findings.tables import determinism, dominance
     from plumbline.harness.findings.tables.effects import TABLE
@@ -84,9 +82,7 @@ def failures(store: "Store") -> list[str]:
         for row in broken.itertuples()
     ]
     sentences += [f"determinism: {sentence}" for sentence in determinism.broken(determinism.repetitions(store), ours)]
-    # Another engine that stands in for the judge may see worse than it: its word is in the table, and gates nothing.
-    judged = audit([row for row in TABLE.rows(store) if row["engine"] == JUDGE])
-    sentences += [f"audit: {sentence}" for sentence in judged.sentences()]
+    sentences += [f"audit: {sentence}" for sentence in audit(TABLE.rows(store)).gating.sentences()]
     return sentences + [f"dominance: {sentence}" for sentence in dominance.unexcused(store)]
 
 
@@ -170,6 +166,8 @@ def _propose(store: "Store", case: "Case") -> None:
         say(f"without {', '.join(written[1])}: plumbline run {shlex.quote(str(written[0]))}", err=True)
 
 
+ZOO = "zoo"
+"""The study of the zoo, and the folder that it is run into unless another is named."""
 _MERGE = "--resume-with-another-study"
 
 
@@ -227,6 +225,8 @@ def run(
     """Run STUDY: a built-in name (quick, accuracy, price, limits, effects, ...), a study file, a scene or robot of your own."""
     how: bool | Literal["merge"] = "merge" if resume == "merge" else resume is not None
     if study == ZOO and not any(robot.values()):
+        from plumbline.harness.cli.zoo_run import run_zoo
+
         if scheduler is not None or shard != (1, 1):
             raise click.BadParameter("its robots lie on this machine, expected none", param_hint="--scheduler, --shard")
         run_zoo(out or Path("build") / ZOO, globs, engine_names, agreed=agreed, workers=workers, resume=how, budget=budget)

@@ -3,30 +3,33 @@
 import time
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
+from plumbline.api.engines import chosen_engines
+from plumbline.api.present import present
+from plumbline.harness.adapter import Adapter
 from plumbline.harness.cli.guard import INTERRUPTED, USAGE, check_words, fail_for, say, stop
+from plumbline.harness.cli.own_scene import closing_count
+from plumbline.harness.findings.tables import table
+from plumbline.harness.intake.error import PlumblineError
+from plumbline.harness.run import zoo_intake
+from plumbline.harness.run.campaign import carry_out
+from plumbline.harness.run.interrupt import until
+from plumbline.harness.run.make_environment import NotMade
+from plumbline.harness.run.zoo_intake import RobotByRobot, taken_in
+from plumbline.harness.store.journal import FolderTaken
+from plumbline.harness.store.store import Store
+from plumbline.harness.study import plugins
+from plumbline.harness.study.experiment import StudyError
+from plumbline.harness.study.zoo.robots import ZooRobot, chosen, robots
+from plumbline.harness.study.zoo.study import BUDGET, study_of
 
-if TYPE_CHECKING:
-    from plumbline.harness.adapter import Adapter
-    from plumbline.harness.store.store import Store
-    from plumbline.harness.study.zoo.robots import ZooRobot
 
-
-ZOO = "zoo"
-"""The study, and the folder that it is run into unless another is named."""
-
-
-def zoo_robots(globs: Sequence[str], agreed: bool) -> "list[ZooRobot]":
+def zoo_robots(globs: Sequence[str], agreed: bool) -> list[ZooRobot]:
     """The robots of the zoo that a pattern names, with their packages installed where that is agreed to.
 
     Raises: PlumblineError, of a pattern that names none, and where nothing is installed.
     """
-    from plumbline.harness.intake.error import PlumblineError
-    from plumbline.harness.run import zoo_intake
-    from plumbline.harness.run.make_environment import NotMade
-    from plumbline.harness.study.zoo.robots import chosen, robots
-
     if agreed:
         try:
             zoo_intake.install()
@@ -56,12 +59,6 @@ def run_zoo(
 
     Args: budget [s]: of waiting time; the zoo's own if None.
     """
-    from plumbline.api.engines import chosen_engines
-    from plumbline.api.present import present
-    from plumbline.harness.cli.own_scene import closing_count
-    from plumbline.harness.findings.tables import table
-    from plumbline.harness.study.experiment import StudyError
-
     robots = zoo_robots(globs, agreed)
     adapters = chosen_engines(engine_names, agreed)
     try:
@@ -82,25 +79,17 @@ def run_zoo(
 
 def carried_out(
     folder: Path,
-    robots: "Sequence[ZooRobot]",
-    adapters: "Mapping[str, Adapter]",
+    robots: Sequence[ZooRobot],
+    adapters: Mapping[str, Adapter],
     *,
     workers: int,
     resume: bool | Literal["merge"],
     budget: float | None,
-) -> "Store":
+) -> Store:
     """Take all robots in and run the study on those that go in.
 
     Raises: as `carry_out`; StudyError where no robot goes in.
     """
-    from plumbline.harness.run.campaign import carry_out
-    from plumbline.harness.run.interrupt import until
-    from plumbline.harness.run.zoo_intake import RobotByRobot, taken_in
-    from plumbline.harness.store.journal import FolderTaken
-    from plumbline.harness.study import plugins
-    from plumbline.harness.study.experiment import StudyError
-    from plumbline.harness.study.zoo.study import BUDGET, study_of
-
     begun, total = time.monotonic(), BUDGET if budget is None else budget
     if (folder / "journal.jsonl").exists() and not resume:
         raise FolderTaken(f"{folder}: holds a run already; add --resume to go on with it, or choose another --out")

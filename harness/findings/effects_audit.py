@@ -11,12 +11,13 @@ import numpy as np
 
 from plumbline.harness.case.alteration import EVERYTHING
 from plumbline.harness.case.undropped import called
+from plumbline.harness.findings.effects_jury import ALONE, TRUTH
 from plumbline.harness.store.rows import grouped
 
-JUDGE = "reference"
-"""The engine that can leave every effect out: what is needed is decided on it, where it was asked and has converged."""
 NOT_JUDGED = "not judged"
 AS_IT_IS = "as it is"
+AGAINST = ("paid for without need", "needed but missing")
+_MATTERS = {True: "matters", False: "does not matter"}
 UNANSWERED = ("diverged", "unsupported", "unavailable", "timeout", "oom", "crashed", "interrupted")
 """Statuses that stand as verdicts where a run gave no answer."""
 
@@ -26,12 +27,11 @@ class Audit:
     """Whether each scene calls for exactly what it needs.
 
     Terms:
-        judge: the engine that was asked, '' where no engine left effects out on its tuned track. judged: its rows that say
-        something. failed: those of them that are against the scene: an effect that does not matter is on, or one that matters
-        is off. open: its rows that say nothing, since it gave no answer or has not converged: for these nothing is proposed.
+        judged: a row for each effect of each scene of which something is said. failed: those of them that are against the
+        scene: an effect that does not matter is on, or one that matters is off. open: rows of effects of which nothing is
+        said: for these nothing is proposed.
     """
 
-    judge: str
     judged: tuple[Mapping[str, Any], ...]
     failed: tuple[Mapping[str, Any], ...]
     open: tuple[Mapping[str, Any], ...] = ()
@@ -55,6 +55,36 @@ class Audit:
         """What is against the scenes, a sentence each. Args: titles: of cases, by name; without them names stand."""
         return [_accusation(row, titles or {}) for row in self.failed]
 
+    def judges(self, titles: Mapping[str, str] | None = None) -> str:
+        """How many effects the truth judged, how many engines that agree, and how many one engine alone."""
+        known, by = titles or {}, dict[str, int]()
+        for row in self.judged:
+            alone = row["judge"].endswith(f" {ALONE}")
+            name = row["judge"].removesuffix(f" {ALONE}")
+            who = f"{known.get(name, name)} {ALONE}" if alone else TRUTH if name == TRUTH else "engines that agree"
+            by[who] = by.get(who, 0) + 1
+        said = [f"{count} by {who}" for who, count in by.items()]
+        return f"Effects are judged: {', '.join(said)}" if len(by) > 1 else f"Judged by {next(iter(by), 'nobody')}"
+
+    def dissent(self, titles: Mapping[str, str] | None = None) -> list[str]:
+        """Where engines say the opposite of what is judged, a sentence each. Args: titles: of cases and engines, by name."""
+        known = titles or {}
+
+        def named(engines: str) -> str:
+            return ", ".join(known.get(name, name) for name in engines.split(", "))
+
+        return [
+            f"{named_scene(row, known)}: {_spelled(row['effect'])} {_MATTERS['needed' in row['verdict']]} by "
+            f"{named(row['judge'])}; {named(row['against'])} would have it otherwise"
+            for row in self.judged
+            if row["against"]
+        ]
+
+    @property
+    def gating(self) -> "Audit":
+        """What nobody says alone: another engine that speaks for itself may see worse than several, and gates nothing."""
+        return Audit(self.judged, tuple(row for row in self.failed if not row["judge"].endswith(f" {ALONE}")), self.open)
+
     def doubts(self, titles: Mapping[str, str] | None = None) -> list[str]:
         """What could not be judged and why, a sentence for each scene and reason.
 
@@ -70,13 +100,32 @@ class Audit:
 
 
 def audit(rows: Sequence[Mapping[str, Any]]) -> Audit:
-    """Of the rows of the table of effects; where the judge was not asked, the first engine that was stands in for it."""
-    asked = dict.fromkeys(row["engine"] for row in rows if row["track"] == "tuned" and row["verdict"] != EVERYTHING)
-    judge = JUDGE if JUDGE in asked else next(iter(asked), "")
-    asked_of = tuple(row for row in rows if row["engine"] == judge and row["track"] == "tuned" and row["verdict"] != EVERYTHING)
-    judged = tuple(row for row in asked_of if row["verdict"] not in (NOT_JUDGED, *UNANSWERED))
-    failed = tuple(row for row in judged if row["verdict"] in ("paid for without need", "needed but missing"))
-    return Audit(judge, judged, failed, tuple(row for row in asked_of if row not in judged))
+    """Of the rows of the table of effects: of each effect of a scene that of one that judges it, where there is one."""
+    asked = [row for row in rows if row["track"] == "tuned" and row["verdict"] != EVERYTHING and not _lacked(row)]
+    chosen: dict[tuple[str, str, str], Mapping[str, Any]] = {}
+    for row in sorted(asked, key=_far_from_judging):
+        chosen.setdefault((row["case"], row["where"], row["effect"]), row)
+    taken = {id(row) for row in chosen.values()}
+    judged = tuple(row for row in asked if id(row) in taken and not _silent(row))
+    known = scenes_of(judged)
+    silent = (row for row in asked if id(row) in taken and _silent(row))
+    # That one engine gives no answer at all is nothing where others do.
+    unknown = tuple(row for row in silent if row["effect"] != AS_IT_IS or (row["case"], row["where"]) not in known)
+    return Audit(judged, tuple(row for row in judged if row["verdict"] in AGAINST), unknown)
+
+
+def _silent(row: Mapping[str, Any]) -> bool:
+    return row["verdict"] in (NOT_JUDGED, *UNANSWERED)
+
+
+def _lacked(row: Mapping[str, Any]) -> bool:
+    """Is it about an effect that the scene calls for and the engine has not? That is nothing against the scene."""
+    return (bool(row["declared"]) and "missing" in row["verdict"]) or row["verdict"] == "cannot be switched off"
+
+
+def _far_from_judging(row: Mapping[str, Any]) -> int:
+    """0 for a row whose engine is among those that judge, 1 where the truth does or another one, 2 where nobody does."""
+    return 2 if _silent(row) else int(row["engine"] not in row["judge"].removesuffix(f" {ALONE}").split(", "))
 
 
 def scenes_of(rows: Iterable[Mapping[str, Any]]) -> dict[tuple[str, str], None]:
@@ -95,11 +144,12 @@ def _spelled(effect: str) -> str:
 
 def _accusation(row: Mapping[str, Any], titles: Mapping[str, str]) -> str:
     name, effect = named_scene(row, titles), _spelled(row["effect"])
+    alone = f", by {titles.get(row['engine'], row['engine'])} {ALONE}" if row["judge"].endswith(f" {ALONE}") else ""
     if row["verdict"] == "needed but missing":
-        return f"{name}: leaves out {effect}, which matters: with it a body is moved by {_metres(row['moved'])}"
+        return f"{name}: leaves out {effect}, which matters: with it a body is moved by {_metres(row['moved'])}{alone}"
     return (
         f"{name}: declares {effect}, which does not matter: without it no body is moved by more than "
-        f"{_metres(row['moved'])}, half the step moves one by {_metres(row['own'])}"
+        f"{_metres(row['moved'])}, half the step moves one by {_metres(row['own'])}{alone}"
     )
 
 

@@ -13,7 +13,7 @@ from typing import Any
 from plumbline.harness.history.folder import SCHEMA
 from plumbline.harness.store import disk
 from plumbline.harness.store.journal import DamagedFile, check_schema
-from plumbline.harness.store.record import SCHEMA_VERSION, Record
+from plumbline.harness.store.record import SCHEMA_VERSION, Record, from_plain, plain
 from plumbline.harness.store.seal import sealed_json
 from plumbline.harness.store.store import read_plain
 
@@ -52,7 +52,7 @@ class Pool:
             if kept["schema"] > SCHEMA:
                 raise DamagedFile(path, f"has schema {kept['schema']}, this program reads up to {SCHEMA}", "upgrade it")
             check_schema(path, kept["record_schema"])
-            return replace(Record.from_plain(kept["record"]), recalled=str(kept["night"]))
+            return replace(from_plain(Record, kept["record"]), recalled=str(kept["night"]))
         except (KeyError, TypeError, ValueError) as error:
             raise DamagedFile(path, f"is no answer of this schema: {error!r}", "delete it") from error
 
@@ -62,8 +62,8 @@ class Pool:
             return
         if os.path.lexists(self.path_of(record.trial)) and not self.path_of(record.trial).is_file():
             raise DamagedFile(self.path_of(record.trial), "is no file", "delete it")
-        plain = replace(record, recalled="", again="").plain()
-        content: dict[str, Any] = {"schema": SCHEMA, "record_schema": SCHEMA_VERSION, "night": night, "record": plain}
+        kept = plain(replace(record, recalled="", again=""))
+        content: dict[str, Any] = {"schema": SCHEMA, "record_schema": SCHEMA_VERSION, "night": night, "record": kept}
         path = self.path_of(record.trial)
         disk.make_folder(path.parent)
         disk.write_atomically(path, sealed_json(path.name, content))

@@ -63,6 +63,10 @@ class Budget:
         """Seconds until then."""
         return self.end - time.monotonic()
 
+    def rest(self) -> float:
+        """Seconds until the whole is over."""
+        return self.seconds - self.taken()
+
     def taken(self) -> float:
         """Seconds since the start."""
         return time.monotonic() - self.began

@@ -1,23 +1,26 @@
 """What changed tonight: each engine in each block against the last night that saw it there; other answers to the same digest.
 
 An answer that the night before had lost is compared with the last one that there was: else a fault would hide behind a crash.
+What creeps is told against the night that told of it last, as a night is against the last one.
 """
 
 import sys
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any
 
 from plumbline.harness.findings.changes import Change, Changes, Judged, compare
+from plumbline.harness.findings.changes.matching import matched
+from plumbline.harness.findings.changes.prices import price_changes
 from plumbline.harness.findings.changes.values import heaviest_first
 from plumbline.harness.findings.parameter_words import where_of
 from plumbline.harness.findings.vendor_findings import SECONDS, Finding, ScriptAnswer, ask
 from plumbline.harness.history.blocks import Key, SeenCell, cell_of, seen_cells
 from plumbline.harness.history.folder import Night
 from plumbline.harness.history.identity import Named, change_id, silenced
-from plumbline.harness.history.regressions import Dated
-from plumbline.harness.history.slow_drift import crept
+from plumbline.harness.history.regressions import MOST, Dated
 from plumbline.harness.store.journal import DamagedFile
 from plumbline.harness.store.machine_fingerprint import machine_digest
 from plumbline.harness.store.store import Store
@@ -267,3 +270,60 @@ def turned(findings: Sequence[Finding], rows: Sequence[Mapping[str, Any]], plans
 def _since(before: str, now: str) -> str:
     """The versions of an engine at two answers, in words."""
     return f"with {now}" if now == before else f"{before} -> {now}"
+
+
+def crept(store: Store, before: Sequence[Night], own: Sequence[Change]) -> list[Change]:
+    """Prices of which tonight tells nothing by itself, and that are others than on the last night that told a change of them,
+    or on the first of the nights on this machine that are read.
+
+    Args: store: of tonight. before: whole nights, the earliest first. own: what tonight tells. Raises: StoreError.
+    """
+    clocked = {cell_of(row) for row in store.trials.itertuples() if row.cpu_per_unit is not None and row.cpu_per_unit > 0}
+    bases, last = dict[SeenCell, tuple[Night, ...]](), dict[SeenCell, Night]()
+    machine = machine_digest(store.machine)
+    for night in (night for night in before[-MOST:] if night.machine == machine):
+        changed = {(row["engine"], row["case"]) for row in night.plan.get("told", ()) if row["kind"] == "price"}
+        for cell in seen_cells(night).keys() & clocked:
+            last[cell] = night
+            afresh = changed & {(cell[2], cell[1]), (cell[2], "")}
+            bases[cell] = (night,) if afresh else (*bases.get(cell, ()), night)[:2]
+    by_itself = {(row.engine, row.case) for row in own if row.kind == "price" and row.sense in ("worse", "better")}
+    groups: dict[tuple[Night, ...], set[SeenCell]] = {}
+    for cell, base in bases.items():
+        if len(base) == 2 and last[cell] not in base:
+            groups.setdefault((*base, last[cell]), set()).add(cell)
+    rows = list[Change]()
+    for nights, cells in groups.items():
+        keys = {cell[:2] for cell in cells}
+        try:
+            stores = [*(night.store(keys) for night in nights), store.part(keys)]
+            changes = lasting(partial(price_changes_of, stores, cells))
+        except DamagedFile as error:
+            print(f"{error}; what it said is left out", file=sys.stderr)
+            continue
+        rows += [replace(row, detail=f"since {nights[0].stamp}") for row in changes]
+    return [row for row in rows if not by_itself & {(row.engine, row.case), (row.engine, "")}]
+
+
+def lasting(changes: Callable[[int, int], Iterable[Change]]) -> list[Change]:
+    """What tonight tells since a night, and would tell since the next one, and what last night told since both: else one noisy
+    night, as it comes now and then, would be told against all others.
+
+    Args: changes: what changed from one to another of four nights, by their numbers: the first two, last night and tonight.
+    """
+    rows = [row for row in changes(0, 3) if row.sense in ("worse", "better")]
+    for base, late in ((1, 3), (0, 2), (1, 2)):
+        same = {_about(row) for row in changes(base, late)} if rows else ()
+        rows = [row for row in rows if _about(row) in same]
+    return rows
+
+
+def _about(row: Change) -> tuple[object, ...]:
+    return row.engine, row.case, row.track, row.where, row.dt, row.sense
+
+
+def price_changes_of(stores: Sequence[Store], cells: Collection[SeenCell], base: int, late: int) -> Iterator[Change]:
+    """What is told of the prices of these cells from one night to another, by their numbers among the stores."""
+    then, now = stores[base], stores[late]
+    pairs = [pair for pair in matched(then, now) if pair.a is not None and pair.b is not None]
+    return price_changes(then, now, pairs, lambda row: cell_of(row) in cells)

@@ -14,10 +14,9 @@ from plumbline.harness.history.changes_since import News, news_of
 from plumbline.harness.history.folder import NIGHT, History, Night, stamp_of
 from plumbline.harness.history.identity import acknowledged
 from plumbline.harness.history.night_policy import NightWish, Steering
-from plumbline.harness.history.regressions import Dated
+from plumbline.harness.history.regressions import Dated, over_nights
 from plumbline.harness.history.retention import counted
 from plumbline.harness.history.sentences import told
-from plumbline.harness.history.slow_drift import over_nights
 from plumbline.harness.run.campaign import carry_out
 from plumbline.harness.run.interrupt import until
 from plumbline.harness.store import disk
@@ -103,8 +102,7 @@ def compared(done: Steering) -> News | None:
     known = acknowledged(done.history)[0]
 
     def over(rows: Sequence[Change]) -> Sequence[Dated]:
-        left = done.budget.seconds - done.budget.taken()
-        return over_nights(done.history, done.before, done.night, done.store, known, rows, left)
+        return over_nights(done.history, done.before, done.night, done.store, known, rows, done.budget.rest())
 
     return news_of(done.store, done.night.stamp, done.before, done.done, known, _first_told(done.history), over)
 

@@ -152,7 +152,7 @@ class Steering(Guide):
 
     def known(self, trial: Trial) -> Record | None:
         """From the pool, unless it is drawn to be computed again, depends on the machine, or is distrusted."""
-        found = self._pooled(trial)
+        found = self._pooled(trial, trial.trial)
         if found is None:
             return None
         if computed_again(trial.trial, self.seed):
@@ -161,6 +161,15 @@ class Steering(Guide):
         self._tally((trial.experiment.name, trial.case)).answers += 1
         kept = found.trajectory_hash is not None and self._link(found.trajectory_hash)
         return replace(found, round=trial.round, trajectory_kept=kept)
+
+    def alike(self, trial: Trial) -> Record | None:
+        """The last answer to what a trial asks, where only what judges it was edited since, and its trajectory was kept."""
+        before = self.searched.last_answer(trial)
+        if before is None or before.motion != trial.motion or computed_again(trial.trial, self.seed):
+            return None
+        found = self._pooled(trial, before.trial)
+        kept = None if found is None else found.trajectory_hash
+        return found if kept is not None and self.pool.lay(self._path(kept)) else None
 
     def answered(self, trial: Trial, record: Record) -> Record:
         """Keep an answer in the pool, compare it with what was known, and say whether its trajectory stays."""
@@ -189,7 +198,7 @@ class Steering(Guide):
 
     def searches(self, trial: Trial, records: Mapping[str, Record]) -> bool:
         """Limits are searched as far as they have to; fronts where they are not known, or err otherwise now."""
-        known = self._pooled(trial) is not None
+        known = self._pooled(trial, trial.trial) is not None
         return known or not trial.experiment.sweep or self.searched.goes_on(trial, records)
 
     def clocks(self, trials: Sequence[Trial], records: Mapping[str, Record]) -> Collection[str]:
@@ -260,9 +269,10 @@ class Steering(Guide):
         due = sum(not self.pool.holds(t.trial) or computed_again(t.trial, self.seed) for t in block.trials)
         return due / len(block.trials)
 
-    def _pooled(self, trial: Trial) -> Record | None:
+    def _pooled(self, trial: Trial, name: str) -> Record | None:
+        """What is known under a name, to be recalled for a trial."""
         try:
-            found = self.pool.answer(trial.trial)
+            found = self.pool.answer(name)
         except StoreError as error:
             print(f"{error}; its answer is computed again", file=sys.stderr)
             return None

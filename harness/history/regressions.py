@@ -1,13 +1,17 @@
-"""What changed over a history, told once: each change with its first night, who acknowledged it, and whether it lasts."""
+"""What changed over a history, told once: each change with its first night, who acknowledged it, and whether it lasts.
+
+A night looks at the prices of all nights before it, too: for what no single night shows.
+"""
 
 import math
+import time
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any, Literal, TypeAlias
+from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from plumbline.harness.findings.changes import Change
 from plumbline.harness.findings.changes.answers import as_good
@@ -17,46 +21,10 @@ from plumbline.harness.history.folder import History, Night
 from plumbline.harness.history.identity import NEAR, Named, acknowledged, change_id, silenced
 from plumbline.harness.history.readings import Content, NightOf, said_by, table_of
 from plumbline.harness.history.series import Series, over_segments, series_of
-from plumbline.harness.history.steps import PriceStep, exact_steps, price_steps
-from plumbline.harness.statistics.change_points import FEWEST, levelled, without_outliers
+from plumbline.harness.history.steps import CHANCE_OF_ALL, PriceStep, exact_steps, price_steps
+from plumbline.harness.statistics.change_points import levelled, one_drift
 from plumbline.harness.store.journal import DamagedFile
-
-Floats: TypeAlias = NDArray[np.float64]
-
-MARGIN = 6.0
-"""Squared spreads by which two steps have to fit better than a slope: exp(-6/2) is a chance of one in twenty."""
-SHORTEST = 2 * FEWEST + 2
-"""Nights that have a spread."""
-ENDS = 150
-"""Nights on which a slope may begin and end: of more of them, every second, third, ..."""
-
-
-def one_drift(series: Floats, first: int, second: int) -> bool:
-    """Does one slope between two levels fit a series (n,), positive, NaN for a night without a value, as well as two steps?
-
-    Least squares of logarithms whose outliers are clipped. The slope may begin and end on any night; between its ends r(t)
-    grows from 0 to 1, and log p(t) = (1 - r(t)) p_0 + r(t) p_1.
-
-    Args: first, second: indices of the nights on which the two steps lie.
-    """
-    nights = np.flatnonzero(np.isfinite(series) & (series > 0))
-    if len(nights) < SHORTEST or first >= second:
-        return False
-    y, spread = without_outliers(np.log(series[nights]))
-    parts = np.split(y, np.searchsorted(nights, [first, second]))
-    stairs = sum(float(((part - part.mean()) ** 2).sum()) for part in parts if len(part))
-    return _of_slope(y, nights) <= stairs + MARGIN * spread**2
-
-
-def _of_slope(y: Floats, nights: NDArray[np.int64]) -> float:
-    """The least sum of squares around a slope that lasts three nights or more."""
-    tried = np.arange(0, len(y), 1 + len(y) // (ENDS + 1))
-    begins, ends = (tried[each] for each in np.triu_indices(len(tried), k=FEWEST))
-    r = np.clip((nights - nights[begins][:, None]) / (nights[ends] - nights[begins])[:, None], 0.0, 1.0)
-    centred, off = r - r.mean(axis=1, keepdims=True), y - y.mean()
-    explained = (centred @ off) ** 2 / (centred**2).sum(axis=1)
-    return float((off**2).sum() - explained.max())
-
+from plumbline.harness.store.store import Store
 
 State = Literal["open", "acknowledged", "mended", "another version"]
 """Of a regression: nobody said anything of it yet; somebody did; a later night took it back; its engine or machine is another
@@ -262,3 +230,61 @@ def _mended(step: PriceStep, steps: Sequence[PriceStep]) -> int | None:
 
 def _about(change: Change) -> tuple[object, ...]:
     return change.kind, change.case, change.engine, change.track, change.where, change.dt
+
+
+MOST = 90
+"""Nights that are read: prices of a season ago are of another machine or version by now."""
+FEWEST = 16
+"""Nights, tonight among them: the spread of fewer is too uncertain for a test that is repeated every night. Of 28 histories
+without a change, looked at in each of their nights from the eighth on, one told a step, in its twelfth."""
+SHARE = 0.5
+"""Of what is left of a budget, at most, for reading earlier nights."""
+
+
+def over_nights(
+    history: History,
+    before: Sequence[Night],
+    tonight: Night,
+    store: Store,
+    known: Mapping[str, Named],
+    own: Sequence[Change],
+    left: float,
+) -> tuple[Dated, ...]:
+    """Regressions of prices that last, that nobody acknowledged and that no night has told, as open ones; and those that a
+    later night took back, or whose engine is another by now.
+
+    Args: before: whole nights of the history, the earliest first. store: of tonight. known: what was acknowledged. own: what
+    tonight tells by itself. left [s]: of the budget; where reading takes more than half of it, the earliest nights are left.
+    Raises: StoreError.
+    """
+    late = list(before[-MOST:])
+    if len(late) + 1 < FEWEST:
+        return ()
+    begun, contents = time.monotonic(), [said_by(history, tonight, store)]
+    for night in reversed(late):
+        if time.monotonic() - begun > left * SHARE:
+            break
+        with suppress(DamagedFile):  # what reads all nights names it
+            contents.insert(0, said_by(history, night, night.store()))
+    if len(contents) < FEWEST:
+        return ()
+    # A night looks at what the nights before it have looked at: each has its share of the chance of the history.
+    nights = [content["night"] for content in contents]
+    steps = tuple(price_steps(series_of(nights, table_of(contents), {"price"}), CHANCE_OF_ALL / len(contents)))
+    stamps = {night.stamp for night in nights}
+    told = [
+        *named_by(night.plan for night in late if night.stamp in stamps),
+        *(Named.of(row, tonight.stamp) for row in own),
+    ]
+    fresh: list[Dated] = []
+    while True:
+        # What is told of one is told of what goes on with it: a drift has several steps, and one name.
+        names = [*told, *(Named.of(one.first, one.stamp) for one in fresh)]
+        dated = date(nights, steps, known, names)
+        untold = next((one for one in dated if one.first.regression and one.state == "open" and not one.told), None)
+        if untold is None:
+            break
+        fresh.append(untold)
+    rows = (replace(one.first, detail=f"over all nights, on this level since {one.stamp}") for one in fresh)
+    ended = (change for change in dated if change.state in ("mended", "another version"))
+    return *(replace(change, changes=(row,)) for change, row in zip(fresh, rows, strict=True)), *ended

@@ -16,7 +16,7 @@ from typing import Any
 import psutil
 
 from plumbline.harness.history.answer_store import Pool
-from plumbline.harness.history.folder import NIGHT, History, holder
+from plumbline.harness.history.folder import NIGHT, History, holder, opened
 from plumbline.harness.store import disk
 from plumbline.harness.store.journal import StoreError, read_journal
 from plumbline.harness.store.record import digest
@@ -114,6 +114,15 @@ def copy_of(address: str) -> Elsewhere:
     root = user_cache_path("plumbline") / "histories" / digest(address)
     disk.make_folder(root)
     return Elsewhere(files, path.rstrip("/"), root)
+
+
+def at_hand(address: str) -> History:
+    """The history at an address, fetched where it lies elsewhere. Raises: NoRun, StoreError, OSError."""
+    if not is_elsewhere(address):
+        return opened(Path(address))
+    elsewhere = copy_of(address)
+    elsewhere.fetch()
+    return opened(elsewhere.root)
 
 
 def _laid_out(name: str) -> bool:

@@ -1,7 +1,7 @@
-"""Files that come from outside, read as a stranger's: what kind of file it is, its size, its depth and its counts come first.
+"""Files that come from outside, read as a stranger's: what kind of file it is and its size come first.
 
-A parser sees a text only once it is known to be no longer, no deeper and no fuller than `harness.intake.allowance` says, so
-that no file costs more than what it is allowed to hold.
+A parser sees a text only once it is known to be no longer and no fuller than `harness.intake.allowance` says, so that no file
+costs more than what it is allowed to hold. What is nested without end the parsers refuse themselves, before it costs anything.
 """
 
 import json
@@ -9,11 +9,11 @@ import os
 import re
 import stat
 import tomllib
-from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from plumbline.harness.intake.allowance import Allowance, AllowanceError, allowance, beyond
+from plumbline.harness.intake.allowance import AllowanceError, allowance, beyond
 from plumbline.harness.intake.error import PlumblineError
 from plumbline.harness.intake.safe_text import quoted, readable
 
@@ -24,20 +24,15 @@ _KINDS = {
     stat.S_IFCHR: "a device",
     stat.S_IFBLK: "a device",
 }
-_COUNTED = ("bodies", "joints", "sensors")
 
-_STRING = r'"(?:[^"\\]++|\\.)*+"?'
-_LONG = r"(?<![0-9_])[0-9][0-9_]{{{digits},}}"
-_BARE = r"[A-Za-z0-9_-]++"
-_TOML_STRING = (
-    r'"""(?:[^"\\]++|\\.|"(?!""))*+"*+',
-    r"'''(?:[^']++|'(?!''))*+'*+",
-    r'"(?:[^"\\\n]++|\\.)*+"?',
-    r"'[^'\n]*+'?",
-)
-_PART = rf"(?:{_BARE}|{_TOML_STRING[2]}|{_TOML_STRING[3]})"
-_CHAIN = rf"(?<![A-Za-z0-9_-]){_PART}(?:[ \t]*+\.[ \t]*+{_PART}){{3,}}+"
-"""A dotted key of four parts or more: shorter ones may as well be numbers, of which there are many."""
+_SCANNER = json.JSONDecoder()
+_LONG = r"(?<![\w\"'])[0-9][0-9_]{{{digits},}}"
+_PART = r"""(?:[A-Za-z0-9_-]++|"(?:[^"\\\n]++|\\.)*+"|'[^'\n]*+')"""
+_DOTTED = rf"(?:(?m:^)[ \t]*+\[{{{{0,2}}}}|[{{{{,])[ \t]*+({_PART}(?:[ \t]*+\.[ \t]*+{_PART}){{{{{{depth}},}}}}+)"
+"""A key or a header of TOML that has more parts than may lie in each other, at the beginning of a line or in a table in a line:
+what reading one costs grows with the square of their number."""
+_ELEMENTS = ("bodies", "joints", "sensors")
+"""What a scene may have so many of that reading them costs memory."""
 
 
 class InputError(PlumblineError, ValueError):
@@ -104,14 +99,21 @@ def _check_size(where: str, size: int) -> None:
 
 def parsed(text: str, where: str, ending: str) -> Any:
     """What a text says in TOML or JSON, by the ending. Raises: InputError."""
-    for line, excess in (_toml_outline if ending == ".toml" else _json_outline)(text):
-        raise InputError(f"{where}: {f'line {line}: ' if line else ''}{excess}")
+    if excess := _beyond(text, ending == ".toml"):
+        raise InputError(f"{where}: {excess}")
+    depth = allowance().depth
+    too_deep = beyond("depth", depth + 1, "arrays and tables in each other")
     try:
-        return tomllib.loads(text) if ending == ".toml" else json.loads(text, object_pairs_hook=_once)
+        table = tomllib.loads(text) if ending == ".toml" else json.loads(text, object_pairs_hook=_once)
     except _Doubled as error:
         raise InputError(f"{where}: {error}") from None
-    except (ValueError, RecursionError) as error:
+    except RecursionError:
+        raise InputError(f"{where}: {too_deep}") from None
+    except ValueError as error:
         raise InputError(f"{where}: not readable: {readable(str(error), 300)}") from None
+    if _is_deeper(table, depth):
+        raise InputError(f"{where}: {too_deep}")
+    return table
 
 
 class _Doubled(Exception):
@@ -131,119 +133,44 @@ def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     return made
 
 
-def _line(text: str, place: int) -> int:
-    return text.count("\n", 0, place) + 1
+def _beyond(text: str, is_toml: bool) -> str:
+    """Where a text goes beyond a limit that its parser would pay for, in words; '' where it does not."""
+    limits = allowance()
+    if long := re.search(_LONG.format(digits=limits.digits), text):
+        before = text[max(0, long.start() - 40) : long.start()].rpartition("\n")[2]
+        digits = beyond("digits", len(long[0].replace("_", "")), "digits of a number")
+        return f"{_line(text, long)}: {quoted((before + long[0][:20]).strip())}...: {digits}"
+    if is_toml and (dotted := re.search(_DOTTED.format(depth=limits.depth), text)):
+        return f"{_line(text, dotted)}: {beyond('depth', len(re.findall(_PART, dotted[1])), 'tables in each other')}"
+    for name in _ELEMENTS:
+        if excess := beyond(name, (_headers if is_toml else _listed)(text, name)):
+            return f"{name}: at least {excess}"
+    return beyond("parts", text.count("[") + text.count("{"), "arrays and tables")
 
 
-def _too_long(text: str, matched: re.Match[str]) -> str:
-    before = text[max(0, matched.start() - 40) : matched.start()].rpartition("\n")[2]
-    digits = len(matched[0].replace("_", ""))
-    return f"{quoted((before + matched[0][:20]).strip())}...: {beyond('digits', digits, 'digits of a number')}"
+def _line(text: str, found: re.Match[str]) -> str:
+    return f"line {text.count(chr(10), 0, found.end()) + 1}"
 
 
-class _Nest:
-    """The arrays and tables around a place in a text.
-
-    Terms: open: their brackets. within: the top-level key of the outermost. parts, counts: how many there were so far.
-    """
-
-    def __init__(self) -> None:
-        self.open: list[str] = []
-        self.within = ""
-        self.parts = 0
-        self.counts = dict.fromkeys(_COUNTED, 0)
-        self.limits = allowance()
-
-    def push(self, bracket: str, top: int) -> str:
-        """One more is opened; what is wrong with that, in words. `top`: how many are open where top-level keys stand."""
-        self.open.append(bracket)
-        self.parts += 1
-        if len(self.open) > self.limits.depth:
-            return beyond("depth", len(self.open), "arrays and tables in each other")
-        if self.parts > self.limits.parts:
-            return beyond("parts", self.parts, "arrays and tables")
-        if bracket == "{" and len(self.open) == top + 2 and self.open[top] == "[":
-            return self.count(self.within)
-        return ""
-
-    def count(self, key: str) -> str:
-        """One more element of a top-level array; what is wrong with that, in words."""
-        if key not in self.counts:
-            return ""
-        self.counts[key] += 1
-        number = self.counts[key]
-        # The rest is not counted: what is refused is refused at once.
-        return f"{key}: at least {beyond(key, number)}" if number > getattr(self.limits, key) else ""
+def _headers(text: str, name: str) -> int:
+    """How many tables of an array of tables of this name a text in TOML has."""
+    return sum(1 for _ in re.finditer(rf"(?m)^[ \t]*+\[\[[ \t]*+[\"']?{name}[\"']?[ \t]*+\]\]", text))
 
 
-def _json_outline(text: str) -> Iterator[tuple[int, str]]:
-    """Where a JSON text goes beyond a limit, by line."""
-    nest, string = _Nest(), ""
-    for matched in re.finditer(rf"{_STRING}|[\[\]{{}}]|{_LONG.format(digits=nest.limits.digits)}", text, re.DOTALL):
-        token = matched[0]
-        excess = ""
-        if token[0] == '"':
-            string = token if len(nest.open) == 1 else string
-        elif token in "[{":
-            if len(nest.open) == 1:
-                nest.within = string.strip('"')
-            excess = nest.push(token, 1)
-        elif token in "]}":
-            del nest.open[-1:]
-        else:
-            excess = _too_long(text, matched)
-        if excess:
-            yield _line(text, matched.start()), excess
-            return
+def _listed(text: str, name: str) -> int:
+    """How many values the first array of this name in a text in JSON has, one more than are allowed at most; none is kept."""
+    found, count = re.search(rf'"{name}"\s*+:\s*+\[\s*+', text), 0
+    place, most, next_one = found.end() if found else len(text), getattr(allowance(), name), re.compile(r"\s*+,?\s*+")
+    with suppress(ValueError, RecursionError):  # which reading it all will say
+        while count <= most and not text.startswith("]", place) and place < len(text):
+            _, place = _SCANNER.raw_decode(text, place)
+            if (after := next_one.match(text, place)) is not None:
+                count, place = count + 1, after.end()
+    return count
 
 
-def _toml_outline(text: str) -> Iterator[tuple[int, str]]:
-    """Where a TOML text goes beyond a limit, by line."""
-    nest = _Nest()
-    header = rf"(?P<header>(?m:^)[ \t]*+\[\[?[ \t]*+{_PART}(?:[ \t]*+\.[ \t]*+{_PART})*+[ \t]*+\])"
-    long = _LONG.format(digits=nest.limits.digits)
-    others = "|".join(
-        (
-            rf"(?P<skipped>{'|'.join(_TOML_STRING[:2])}|#[^\n]*+)",
-            rf"(?P<long>{long})",
-            rf"(?P<chain>{_CHAIN})",
-            rf"(?P<string>{'|'.join(_TOML_STRING[2:])})",
-            r"(?P<bracket>[\[\]{}])",
-        )
-    )
-    outside, inside = (re.compile(pattern, re.DOTALL) for pattern in (f"{header}|{others}", others))
-    position = 0
-    while matched := (inside if nest.open else outside).search(text, position):
-        token, position, excess = matched[0], matched.end(), ""
-        match matched.lastgroup:
-            case "header":
-                names = re.findall(_PART, token)
-                nest.parts += 1
-                excess = _deep(names, nest.limits)
-                if token.lstrip().startswith("[[") and len(names) == 1:
-                    excess = excess or nest.count(names[0].strip("\"'"))
-            case "chain":
-                tail = re.compile(long).search(text, matched.start(), matched.end())
-                excess = _deep(re.findall(_PART, token), nest.limits) or (_too_long(text, tail) if tail else "")
-            case "long":
-                excess = _too_long(text, matched)
-            case "bracket" if token in "[{":
-                if not nest.open:
-                    nest.within = _key_before(text, matched.start())
-                excess = nest.push(token, 0)
-            case "bracket":
-                del nest.open[-1:]
-        if excess:
-            yield _line(text, matched.start()), excess
-            return
-
-
-def _deep(names: list[str], limits: Allowance) -> str:
-    """What is wrong with a dotted key of these parts, in words."""
-    return beyond("depth", len(names), "tables in each other") if len(names) > limits.depth else ""
-
-
-def _key_before(text: str, place: int) -> str:
-    """The key whose value begins at a place outside of all arrays and tables."""
-    line = text[max(text.rfind("\n", 0, place) + 1, place - 100) : place]
-    return line.partition("=")[0].strip(" \t\"'")
+def _is_deeper(value: Any, depth: int) -> bool:
+    """Do more arrays and tables than so many lie in each other?"""
+    if not isinstance(value, dict | list):
+        return False
+    return depth == 0 or any(_is_deeper(each, depth - 1) for each in (value.values() if isinstance(value, dict) else value))

@@ -7,7 +7,7 @@ from typing import Any, Literal, TypeVar
 import numpy as np
 
 from plumbline.harness.scene import Body, Scene
-from plumbline.harness.scene.mount import Mount
+from plumbline.harness.scene.sensor import Mount
 from plumbline.harness.trajectory import Contacts, Floats, Integers, Trajectory
 from plumbline.harness.trajectory.kinematics import movable
 

@@ -95,7 +95,7 @@ def _accuracy(run: _Run, what: str, trials: Sequence[Trial]) -> None:
     if not waiting:
         return
     by_name = {trial.trial: trial for trial in waiting}
-    kept = kept_answers(journal, waiting) if cluster is None else {}
+    kept = kept_answers(journal, waiting, guide) if cluster is None else {}
     alone = [trial for trial in waiting if trial.alteration.name == ALONE]
     beside = [trial for trial in waiting if trial.alteration.name != ALONE and trial.trial not in kept]
     lost: list[str] = []
@@ -129,8 +129,8 @@ def _timing(run: _Run, trials: Sequence[Trial]) -> None:
         if trial.experiment.timing
         and trial.alteration.clocked
         and (not (trial.experiment.sweep or trial.experiment.dominance) or trial.trial in near)
-        and journal.timings.get(trial.trial) != here
         and trial.trial in records
+        and journal.written.clocked_on(trial.trial) != here
         and records[trial.trial].status in _TIMED
     ]
     wanted = guide.clocks(due, records)

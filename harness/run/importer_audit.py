@@ -8,16 +8,16 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from pydantic import TypeAdapter
+
 from plumbline.harness.adapter import Unavailable, Unsupported
 from plumbline.harness.intake.apart import NoAnswer, apart
 from plumbline.harness.intake.import_wishes import Root, Wishes
 from plumbline.harness.intake.safe_text import one_line
+from plumbline.harness.scene.parity.canonical import Canonical, canonical, stated
 from plumbline.harness.scene.parity.comparison import compare
-from plumbline.harness.scene.parity.difference import Difference
-from plumbline.harness.scene.parity.facts import RobotFacts
-from plumbline.harness.scene.parity.kinds import kind_of
-from plumbline.harness.scene.parity.loaded import Loaded, Own, Request, restored, stored
-from plumbline.harness.scene.parity.stated import audited
+from plumbline.harness.scene.parity.difference import Difference, kind_of
+from plumbline.harness.scene.parity.loaded import Loaded, Own, Request
 from plumbline.harness.study import plugins
 
 DEADLINE = 120.0
@@ -37,7 +37,7 @@ class LoaderReading:
 
     engine: str
     way: str
-    stated: RobotFacts
+    stated: Canonical
     root: Root
     source: str = ""
     refused: str = ""
@@ -64,20 +64,21 @@ class LoaderReading:
 
 def audit(file: Path, wishes: Wishes, tolerance: float, seed: int = 0) -> Iterator[LoaderReading]:
     """One reading for each way of each engine that reads robot files. Raises: RobotError."""
-    stated, root = audited(file, wishes)
+    robot, root = stated(file, wishes)
     for engine in plugins.names("adapters"):
         adapter = plugins.adapter(engine)
         for way in adapter.loaders:
-            reading = LoaderReading(engine=engine, way=way, stated=stated, root=root)
+            reading = LoaderReading(engine=engine, way=way, stated=robot, root=root)
             try:
                 loaded = loaded_apart(engine, Request(way=way, root=root, packages=wishes.packages), file)
             except Unsupported as error:
                 yield replace(reading, refused=str(error))
                 continue
-            rows = [replace(row, kind=kind_of(row)) for row in compare(stated, loaded.facts, tolerance, seed)]
+            made = canonical(loaded.robot, read_back=True)
+            rows = [replace(row, kind=kind_of(row)) for row in compare(robot, made, tolerance, seed)]
             yield replace(
                 reading,
-                source=loaded.facts.source,
+                source=loaded.robot.source,
                 rows=_documented(rows, adapter.loader_defaults.get((way, file.suffix.lower()), {})),
                 own=tuple(_own(each, tolerance) for each in loaded.own if file.suffix.lower() == ".urdf"),
                 matrix_gap=loaded.matrix_gap,
@@ -107,23 +108,34 @@ def _documented(rows: list[Difference], defaults: Mapping[str, str]) -> tuple[Di
     return tuple(replace(row, documented=row.documented or causes[0].documented) for row in marked)
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Answer:
+    """What a loader made of a file; or, by `what` and `why`, that it made nothing."""
+
+    loaded: Loaded | None = None
+    what: str = ""
+    why: str = ""
+
+
 def loaded_apart(name: str, request: Request, path: Path) -> Loaded:
     """What an engine's loader makes of a file. Raises: Unsupported, with why it does not."""
     packages = {package: folder.resolve() for package, folder in request.packages.items()}
     try:
-        answer = apart(dict[str, Any], DEADLINE, loader_answer, name, path.resolve(), replace(request, packages=packages))
-        if "why" in answer:
-            raise Unsupported(str(answer["what"]), one_line(str(answer["why"]), 400))
-        return restored(answer)
-    except (NoAnswer, KeyError, TypeError, ValueError) as error:
+        answer = apart(Answer, DEADLINE, loader_answer, name, path.resolve(), replace(request, packages=packages))
+    except NoAnswer as error:
         raise Unsupported("the file", f"the loader {one_line(str(error), 300)}") from None
+    if answer.loaded is None:
+        raise Unsupported(answer.what, one_line(answer.why, 400))
+    return answer.loaded
 
 
 def loader_answer(name: str, path: Path, request: Request) -> dict[str, Any]:
-    """What a loader made of a file, in plain values, or by 'what' and 'why' that it made nothing; in its own process."""
+    """What a loader made of a file as an Answer in plain values; in its own process."""
     try:
-        return stored(plugins.adapter(name).load_robot(path, request))
+        answer = Answer(loaded=plugins.adapter(name).load_robot(path, request))
     except Unsupported as error:
-        return {"what": error.what, "why": error.why}
+        answer = Answer(what=error.what, why=error.why)
     except Unavailable as error:
-        return {"what": "the engine", "why": str(error)}
+        answer = Answer(what="the engine", why=str(error))
+    plain: dict[str, Any] = TypeAdapter(Answer).dump_python(answer, mode="json")
+    return plain

@@ -15,9 +15,9 @@ from plumbline.harness.intake.bounded import named_signal
 from plumbline.harness.intake.deadline import Deadline
 from plumbline.harness.intake.safe_text import readable
 from plumbline.harness.run.child import answers, confine, end_started, roughly_clocked
-from plumbline.harness.run.fork_servers import Forked, Origin, end_servers, loaded, start
+from plumbline.harness.run.fork_servers import Origin, end_servers, loaded, start
 from plumbline.harness.run.interrupt import MemoryWatch, kills_for_memory, naming, stop_if_asked
-from plumbline.harness.run.message import BrokenMessage, Inbox, read_record, send
+from plumbline.harness.run.message import BrokenMessage, Inbox, Worker, read_record, send
 from plumbline.harness.store.record import Record, StoredNotice
 from plumbline.harness.study import plugins
 from plumbline.harness.study.environments import elsewhere
@@ -66,11 +66,11 @@ def _expired(trial: Trial, code: int | None, log: Path, kills: int) -> Record:
 
 
 @dataclass(slots=True)
-class _Child:
+class _Child(Worker):
     """A process at work on a trial.
 
     Terms:
-        watch: of its memory. inbox: its record comes here, the last word counts. deadline: of what it does now, loading its
+        inbox: its record comes here, the last word counts. deadline: of what it does now, loading its
         engine or answering. kills: of the system for want of memory, before it began. begun: when it was started, on the
         monotonic clock [s]. said: what has come so far. broken: what it said that no child may say; it is heard no more.
         answered: what is known of an answer that is being judged, when memory and time are those of metrics and truths.
@@ -79,9 +79,6 @@ class _Child:
     """
 
     trial: Trial
-    process: Forked
-    watch: MemoryWatch
-    inbox: Inbox
     log: Path
     deadline: Deadline
     kills: int
@@ -146,19 +143,13 @@ class _Child:
     def _end(self, code: int | None) -> Record:
         if self.broken:
             return outcome(self.trial, "crashed", self.broken, _tail(self.log))
-        if self.watch.taken:
+        if self.watch is not None and self.watch.taken:
             most = self.trial.experiment.memory
             return outcome(self.trial, "oom", f"more than {most:g} MB: it took {self.watch.taken:.0f} MB", _tail(self.log))
         if self.ended:
             return _expired(self.trial, code, self.log, kills_for_memory() - self.kills)
         reason = f"deadline of {self.trial.deadline:g} s passed, {self.late}"
         return outcome(self.trial, "timeout", reason, _tail(self.log))
-
-    def stop(self) -> None:
-        """End the process, whatever it does, and what it started."""
-        self.watch.stop()
-        self.process.end()
-        self.inbox.pipe.close()
 
 
 def _answer(pipe: Connection, trial: Trial, folder: Path, log: Path, earlier: Record | None) -> None:
@@ -206,7 +197,7 @@ def _start(trial: Trial, origin: Origin, folder: Path, logs: Path, earlier: Reco
     loading = Deadline(process.pid, trial.experiment.deadline + plugins.adapter(trial.engine).compile_allowance)
     watch = MemoryWatch(process.pid, trial.experiment.memory)
     simulated_as = "" if earlier is None else earlier.simulated_as or earlier.trial
-    return _Child(trial, process, watch, Inbox(process.pipe), log, loading, kills, time.monotonic(), simulated_as)
+    return _Child(process, watch, Inbox(process.pipe), trial, log, loading, kills, time.monotonic(), simulated_as)
 
 
 def run_isolated(

@@ -14,6 +14,7 @@ import shutil
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -24,12 +25,12 @@ from plumbline.harness.store import disk
 from plumbline.harness.store.journal import FolderTaken, StoreError, Writer
 from plumbline.harness.store.journal_index import Index, Whereabouts, read_index
 from plumbline.harness.store.machine_fingerprint import circumstances
-from plumbline.harness.store.seal import Damaged, require_seal, sealed_json, sealed_toml
+from plumbline.harness.store.seal import Damaged, read_sealed, sealed_json, sealed_toml
 from plumbline.harness.store.store import Store, ends_early, read_plain, write_json
 from plumbline.harness.store.stored_tables import write_tables
 
 _CARRIED = re.compile(
-    r"(trajectories/[0-9a-f]{16}\.npz|truths/[0-9a-f]{16}\.(npz|json)|scenes/[0-9a-f]{12}/[\w.-]+\.(toml|json)|logs/[\w-]+\.log)"
+    r"(trajectories/[0-9a-f]{16}\.npz|truths/[0-9a-f]{16}\.npz|scenes/[0-9a-f]{12}/[\w.-]+\.(toml|json)|logs/[\w-]+\.log)"
 )
 """What a folder has beside its journal."""
 
@@ -114,7 +115,7 @@ def _files(sides: Sequence[Index]) -> dict[str, Path]:
                     continue
                 try:
                     if path.suffix != ".log":
-                        require_seal(path, disk.read(path))
+                        read_sealed(path)
                     sound[name] = path
                 except Damaged as error:
                     damaged[name] = f"{path}: {error}; run that part again with --resume, which makes it anew"
@@ -137,8 +138,8 @@ def _written(sides: Sequence[Index], files: Mapping[str, Path], out: Path) -> li
             for session in index.sessions:
                 journal.begin(session)
             for record in index.records():
-                if not journal.written.holds(record.trial):
-                    journal.append(record.unclocked)
+                if record.trial not in journal.written.entries:
+                    journal.append(replace(record, timing=None))
                 if (machine := index.clocked_on(record.trial)) is None:
                     continue
                 if machines[index.entries[record.trial].question] != machine:
@@ -149,7 +150,7 @@ def _written(sides: Sequence[Index], files: Mapping[str, Path], out: Path) -> li
     finally:
         journal.close()
     parts = [read_plain(index.path.parent / "machine.json") for index in sides]
-    missing = sum(not journal.written.holds(trial) for trial in due)
+    missing = sum(trial not in journal.written.entries for trial in due)
     complete = not missing and all(part.get("complete", False) for part in parts)
     ended = {"complete": complete, "journal": journal.written.reached, "tables": write_tables(out, journal.written.records())}
     write_json(out / "machine.json", parts[-1] | ended)

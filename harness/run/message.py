@@ -10,6 +10,7 @@ import json
 import os
 import time
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import replace
 from functools import cache
 from multiprocessing.connection import Connection, wait
@@ -18,19 +19,15 @@ from typing import Any
 from pydantic import TypeAdapter, ValidationError
 
 from plumbline.harness.intake.safe_text import readable
-from plumbline.harness.store.record import Record, Sample
+from plumbline.harness.run.fork_servers import Forked
+from plumbline.harness.run.interrupt import MemoryWatch
+from plumbline.harness.store.record import Answer, Record, Sample
 from plumbline.harness.study.trial import Trial
-from plumbline.harness.trial.accuracy import outcome
 from plumbline.harness.trial.bench import Sampling
 
 LONGEST = 4 * 2**20
 """Bytes of a line; the longest of the catalogue's records take some 30 kB."""
 _PART = 2**16
-_ANSWERED = (
-    *("status", "reason", "detail", "resolved", "warnings", "measurements"),
-    *("sim_seconds", "steps", "trajectory_hash", "rough_cost", "rough_ratio", "substep", "idle", "broke", "memory"),
-)
-"""The fields of a record that are the child's to fill. What was asked of it, the parent knows better."""
 
 
 class BrokenMessage(Exception):
@@ -118,6 +115,28 @@ class Inbox:
             return b""
 
 
+@dataclasses.dataclass(slots=True)
+class Worker:
+    """A process off a fork server, as seen from here. Terms: watch: of its memory; None where nobody watches. inbox: what it
+    says."""
+
+    process: Forked
+    watch: MemoryWatch | None
+    inbox: Inbox
+
+    def tell(self, message: object) -> None:
+        """Tell it something; that it has died while it waited is for its inbox to say."""
+        with suppress(ConnectionError):
+            self.inbox.pipe.send(message)
+
+    def stop(self) -> None:
+        """End it, whatever it does, and what it started."""
+        if self.watch is not None:
+            self.watch.stop()
+        self.process.end()
+        self.inbox.pipe.close()
+
+
 def _parsed(line: bytes) -> tuple[str, Any]:
     try:
         message = json.loads(line)
@@ -146,10 +165,12 @@ def read_value(of: type, value: Any) -> Any:
 
 
 def read_record(trial: Trial, value: Any, earlier: str = "") -> Record:
-    """The record that a child told of a trial. Args: earlier: whose answer it may have judged. Raises: BrokenMessage."""
-    answer: Record = read_value(Record, value)
-    fields = {name: getattr(answer, name) for name in _ANSWERED} | {"simulated_as": earlier if answer.simulated_as else ""}
-    return replace(outcome(trial, answer.status, answer.reason), **fields)
+    """The record of a trial with the answer that a child told: what was asked of it, this process knows better.
+
+    Args: earlier: whose answer it may have judged. Raises: BrokenMessage.
+    """
+    answer: Answer = read_value(Answer, value)
+    return trial.record(replace(answer, simulated_as=earlier if answer.simulated_as else ""))
 
 
 def read_sample(value: Any) -> Sample:

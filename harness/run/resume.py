@@ -14,11 +14,12 @@ from pathlib import Path
 from typing import Any
 
 from plumbline.harness.case.alteration import ALONE
+from plumbline.harness.run.known_results import Guide
 from plumbline.harness.store import disk
 from plumbline.harness.store.journal import Journal, LineChain, StoreError
 from plumbline.harness.store.machine_fingerprint import circumstances, machine_digest
 from plumbline.harness.store.record import Record
-from plumbline.harness.store.seal import Damaged, require_seal
+from plumbline.harness.store.seal import Damaged, read_sealed
 from plumbline.harness.store.store import ends_early, read_plain
 from plumbline.harness.study.library_variants import obstacle
 from plumbline.harness.study.provenance import moves_alike, what_changed
@@ -26,13 +27,6 @@ from plumbline.harness.study.trial import Trial
 from plumbline.harness.trial.accuracy import outcome
 
 _DRAFT = re.compile(r"\..+\.\d+(\.old)?|\.timing-\w+\.log")
-_CELL = ("study", "experiment", "case", "engine", "track", "dt", "seed", "clocks", "workers", "members", "remedied", "parts")
-
-
-def _cell(record: Record) -> str:
-    """What a record answers, whatever the settings and sources."""
-    asked = [getattr(record, name) for name in _CELL]
-    return repr([*asked, sorted(record.parameters.items()), sorted(record.alteration.items(), key=str)])
 
 
 def damage(folder: Path, record: Record) -> str:
@@ -41,7 +35,7 @@ def damage(folder: Path, record: Record) -> str:
         return ""
     path = folder / "trajectories" / f"{record.trajectory_hash}.npz"
     try:
-        require_seal(path, disk.read(path))
+        read_sealed(path)
     except FileNotFoundError:
         return f"{path} is missing"
     except Damaged as error:
@@ -49,8 +43,9 @@ def damage(folder: Path, record: Record) -> str:
     return ""
 
 
-def kept_answers(journal: Journal, trials: Iterable[Trial]) -> dict[str, Record]:
-    """By trial without a record, a withdrawn record of the same motion whose trajectory was kept: that can be judged anew.
+def kept_answers(journal: Journal, trials: Iterable[Trial], guide: Guide) -> dict[str, Record]:
+    """By trial without a record, one of the same motion, withdrawn or known to the guide, whose trajectory was kept: that can
+    be judged anew.
 
     An ensemble keeps that of one member alone; libraries that variables tell something act on who judges too.
     """
@@ -58,7 +53,7 @@ def kept_answers(journal: Journal, trials: Iterable[Trial]) -> dict[str, Record]
         record.motion: record for record in journal.written.lost.values() if record.trajectory_hash and record.trajectory_kept
     }
     plain = (trial for trial in trials if trial.trial not in journal.records and judged_alone(trial))
-    return {trial.trial: lost[trial.motion] for trial in plain if trial.motion in lost}
+    return {trial.trial: known for trial in plain if (known := lost.get(trial.motion) or guide.alike(trial)) is not None}
 
 
 def judged_alone(trial: Trial) -> bool:
@@ -77,7 +72,7 @@ def _differences(value: Any, other: Any, where: str) -> list[str]:
     return [] if value == other or not (value or other) else [where]
 
 
-def another_study(journal: LineChain, study: Mapping[str, Any]) -> str:
+def another_study(journal: LineChain[Any], study: Mapping[str, Any]) -> str:
     """How the study of a folder differs from this one, in words; '' where the folder is of this study too."""
     known = [session["study"] for session in journal.sessions]
     today = json.loads(json.dumps(study))
@@ -102,8 +97,8 @@ def clocked_elsewhere(journal: Journal, trials: Collection[str], machine: Mappin
     """In sentences, how many of these trials are clocked anew since another machine clocked them, and how that one differs."""
     counts: Counter[str] = Counter()
     for name in trials:
-        if journal.timings.get(name, digest := machine_digest(machine)) != digest:
-            counts[_other_machine(journal, journal.timings[name], machine)] += 1
+        if (clocked_on := journal.written.clocked_on(name)) not in (None, machine_digest(machine)):
+            counts[_other_machine(journal, str(clocked_on), machine)] += 1
     return [f"clocks anew {count}: clocked on another machine ({how})" for how, count in counts.items()]
 
 
@@ -134,7 +129,7 @@ def _reason(record: Record, cells: Mapping[str, Trial], versions: Mapping[str, s
     if record.engine_version != versions[record.engine]:
         change = f"{record.engine}: version {record.engine_version} -> {versions[record.engine]}"
         reason = f"{change}; {reason}" if reason else change
-    today = cells.get(_cell(record))
+    today = cells.get(record.cell())
     if not reason and today is not None and today.trial != record.trial:
         reason = f"{record.case} asks something else, or {record.engine}'s settings of track '{record.track}' are others"
     return reason
@@ -164,7 +159,7 @@ def review(
     notes = [*journal.notes, *_ended(journal, folder)]
     planned = {trial.trial for trial in trials}
     journal.restore([n for n in planned if n in journal.written.withdrawn and not damage(folder, journal.written.lost[n])])
-    cells = {_cell(outcome(trial, "interrupted", "")): trial for trial in trials if trial.round == 0}
+    cells = {outcome(trial, "interrupted", "").cell(): trial for trial in trials if trial.round == 0}
     stale: defaultdict[tuple[str, str], list[str]] = defaultdict(list)
     motions = {trial.motion for trial in trials if judged_alone(trial)}
     beside: Counter[str] = Counter()
@@ -208,7 +203,7 @@ def _mended_truths(folder: Path) -> list[str]:
     notices = []
     for path in sorted((folder / "truths").glob("[!.]*")):
         try:
-            require_seal(path, disk.read(path))
+            read_sealed(path)
         except (Damaged, KeyError) as error:
             disk.remove(path)
             notices.append(f"{path} was damaged ({error}): removed, and made again when it is wanted")

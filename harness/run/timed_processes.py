@@ -4,7 +4,6 @@ A process serves the trials of one engine in turn, so that an engine is loaded o
 trial that it died of is told, and the others get a new one. A trial of several workers has that many processes for itself.
 """
 
-import contextlib
 import gc
 import os
 import resource
@@ -19,9 +18,9 @@ import numpy as np
 from plumbline.harness.intake.deadline import Deadline
 from plumbline.harness.intake.safe_text import readable
 from plumbline.harness.run.child import confine, end_started
-from plumbline.harness.run.fork_servers import Forked, Origin, start
+from plumbline.harness.run.fork_servers import Origin, start
 from plumbline.harness.run.interrupt import MemoryWatch, hour, naming, stop_if_asked
-from plumbline.harness.run.message import BrokenMessage, Inbox, read_sample, read_sampling, send
+from plumbline.harness.run.message import BrokenMessage, Inbox, Worker, read_sample, read_sampling, send
 from plumbline.harness.store.record import Sample
 from plumbline.harness.study import plugins
 from plumbline.harness.study.environments import elsewhere
@@ -127,25 +126,14 @@ class Ready:
 
 
 @dataclass(slots=True)
-class Clocked:
-    """The parent's end of one child.
+class Clocked(Worker):
+    """The parent's end of one child. Terms: trouble: what it died of; it serves nobody then."""
 
-    Terms: watch: of its memory. trouble: what it died of; it serves nobody then.
-    """
-
-    process: Forked
-    watch: MemoryWatch
-    inbox: Inbox
     trouble: str = ""
 
     def ask(self, number: int, block: int, sampling: Sampling) -> None:
         """Ask for a sample."""
         self.tell((number, block, sampling))
-
-    def tell(self, message: object) -> None:
-        """Tell it something; that a child has died while it waited is for `answer` to say."""
-        with contextlib.suppress(ConnectionError):
-            self.inbox.pipe.send(message)
 
     def answer(self, seconds: float) -> Sampling | Sample | Ready | str | None:
         """The next message, a text where something went wrong, None where nobody knows whose fault it was.
@@ -169,7 +157,7 @@ class Clocked:
         return None if self.trouble and self.process.lost and not self.process.origin.only else self.trouble
 
     def _death(self, code: int | None) -> str:
-        if self.watch.taken:
+        if self.watch is not None and self.watch.taken:
             return f"took {self.watch.taken:.0f} MB of memory, more than its trials may together"
         if self.process.lost:
             return "its fork server died with it"
@@ -177,15 +165,12 @@ class Clocked:
 
     def stop(self) -> None:
         """End the child, by force after a second; may be called twice."""
-        pipe = self.inbox.pipe
-        self.watch.stop()
-        if pipe.closed:
+        if self.inbox.pipe.closed:
             return
         if not self.trouble:
             self.tell(None)
             self.process.join(1.0)
-        self.process.end()
-        pipe.close()
+        Worker.stop(self)
 
 
 def _read(kind: str, value: object) -> Sampling | Sample | Ready | str:

@@ -13,24 +13,21 @@ import pandas as pd
 
 from plumbline.harness.findings.summary import summaries
 from plumbline.harness.run.resume import merged
-from plumbline.harness.store import disk, zoo_record
+from plumbline.harness.store import disk, imported_scenes, zoo_record
 from plumbline.harness.store.arrays import kept_hash, read_arrays
-from plumbline.harness.store.imported_scenes import FOLDER as SCENES
-from plumbline.harness.store.imported_scenes import MINIMAL, unsound
 from plumbline.harness.store.journal import DamagedFile, StoreError
 from plumbline.harness.store.journal_index import Index, read_index
 from plumbline.harness.store.machine_fingerprint import circumstances
 from plumbline.harness.store.record import Record, parts_of_runs
-from plumbline.harness.store.seal import Damaged, check_seal, require_seal
+from plumbline.harness.store.seal import Damaged, check_seal, read_sealed
 from plumbline.harness.store.store import Store, ends_early, read_plain
 from plumbline.harness.store.stored_tables import COLUMNS, in_parquet
-from plumbline.harness.store.zoo_record import FOLDER as ZOO
 
 _ANEW = "--resume makes it anew"
 _DELETE = "nothing needs it; delete it"
-_TRUTH = re.compile(r"[0-9a-f]{16}\.(npz|json)")
+_TRUTH = re.compile(r"[0-9a-f]{16}\.npz")
 _KEPT = ("study.toml", "catalogue.json", "machine.json")
-_SHOWN = ("report", "recordings", MINIMAL)
+_SHOWN = ("report", "recordings", imported_scenes.MINIMAL)
 """Folders that hold what people look at: made from the others alone, and not checked."""
 _OF_A_NIGHT = ("night.json", "night.log", "changes")
 """What a night of a history adds; `harness.history` checks it."""
@@ -78,23 +75,15 @@ def problems(
     yield from _strangers(store.folder, index)
 
 
-def notices(folder: Path) -> Iterator[str]:
-    """What is worth knowing of a run folder and is not wrong."""
-    try:
-        entries = read_index(folder / "journal.jsonl").entries.values()
-    except (StoreError, OSError):  # a problem, and told as one
-        return
-    if older := sum(entry.machine is not None and not entry.clocked for entry in entries):
-        yield f"{folder}: {older} timings of an older version, which do not say whether they are of whole runs"
-
-
 def _clocked(cases: Mapping[str, Any], path: Path, record: Record) -> Iterator[Unsound]:
     """A timing over anything but whole runs, by what the catalogue says that a run is."""
-    case, due = cases.get(record.case, {}), None
-    if record.clocks in ("work", "reading") and record.unit != "ray" and "steady" in case:
+    case, due, timing = cases.get(record.case, {}), None, record.timing
+    if timing is None:
+        return
+    if record.clocks in ("work", "reading") and timing.unit != "ray" and "steady" in case:
         due = max(1, round(case["duration"] / record.dt) - round((case["steady"] or 0.0) / record.dt))
-    others = [sample for sample in record.samples if record.clocked and due not in (None, sample.run)]
-    if wrong := parts_of_runs(record.clocked, record.samples) or others:
+    others = [sample for sample in timing.samples if timing.clocked and due not in (None, sample.run)]
+    if wrong := parts_of_runs(timing) or others:
         whole = wrong[0].run if due is None else due
         what = f"trial {record.trial} was clocked over {wrong[0].steps} steps, expected whole runs of {whole}"
         yield Unsound(path, what, "its price is of a part of the motion; clock it anew in a new folder")
@@ -190,7 +179,7 @@ def _trajectories(folder: Path, index: Index, sound: Container[tuple[int, int]])
         if (path.stat().st_dev, path.stat().st_ino) in sound:
             continue
         try:
-            require_seal(path, disk.read(path))
+            read_sealed(path)
             if kept_hash(read_arrays(path)) != path.stem:
                 raise Damaged("its answer is not the one that its name says")
         except (Damaged, KeyError) as error:
@@ -203,7 +192,7 @@ def _truths(folder: Path) -> Iterator[Unsound]:
             yield Unsound(path, "is no truth", _DELETE)
             continue
         try:
-            require_seal(path, disk.read(path))
+            read_sealed(path)
         except (Damaged, OSError) as error:
             yield Unsound(
                 path,
@@ -213,10 +202,10 @@ def _truths(folder: Path) -> Iterator[Unsound]:
 
 
 def _imports(folder: Path) -> Iterator[Unsound]:
-    for path, what in unsound(folder):
-        yield Unsound(path, what, "run the robot's file again into this folder with --resume")
+    for path, what in imported_scenes.unsound(folder):
+        yield Unsound(path, what, imported_scenes.CURE)
     for path, what in zoo_record.unsound(folder):
-        yield Unsound(path, what, "delete it; run zoo with --resume takes that robot in anew")
+        yield Unsound(path, what, zoo_record.CURE)
 
 
 def _summaries(store: Store, index: Index, written: Mapping[str, str]) -> Iterator[Unsound]:
@@ -237,7 +226,7 @@ def _summaries(store: Store, index: Index, written: Mapping[str, str]) -> Iterat
 
 def _strangers(folder: Path, index: Index) -> Iterator[Unsound]:
     known = {"journal.jsonl", *_KEPT, "junit.xml", "summary.md", *(f"{name}.parquet" for name in COLUMNS)}
-    known |= {*_SHOWN, *_OF_A_NIGHT, SCENES, ZOO, "trajectories", "truths", "logs"}
+    known |= {*_SHOWN, *_OF_A_NIGHT, imported_scenes.FOLDER, zoo_record.FOLDER, "trajectories", "truths", "logs"}
     trials = {*index.entries, *index.lost, *(trial for session in index.sessions for trial in session["trials"])}
     logs = (path for path in (folder / "logs").glob("*") if path.suffix != ".log" or path.stem not in trials)
     drafts = (folder / "recordings").glob(".*")

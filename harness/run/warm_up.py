@@ -5,7 +5,6 @@ fork server that has loaded the engine, and end with this one.
 """
 
 from collections.abc import Callable, Collection, Sequence, Set
-from contextlib import suppress
 from dataclasses import dataclass, field
 from multiprocessing.connection import Connection, wait
 from pathlib import Path
@@ -15,9 +14,9 @@ from plumbline.harness.adapter.kernels import KernelGroup, Kernels
 from plumbline.harness.intake.bounded import named_signal
 from plumbline.harness.intake.safe_text import LONGEST
 from plumbline.harness.run.child import confine
-from plumbline.harness.run.fork_servers import WORTH_A_SERVER, Forked, loaded, start
+from plumbline.harness.run.fork_servers import WORTH_A_SERVER, loaded, start
 from plumbline.harness.run.interrupt import stop_if_asked
-from plumbline.harness.run.message import BrokenMessage, Inbox, send
+from plumbline.harness.run.message import BrokenMessage, Inbox, Worker, send
 from plumbline.harness.run.waiting_time import Progress
 
 _LISTENS = 1.0
@@ -50,7 +49,7 @@ def warm_up(
     Returns: what could not be compiled, with the reasons.
     """
     groups, waiting, failures, begun = kernels().groups, list(wanted), list[str](), set[str]()
-    running: list[_Worker] = []
+    running: list[_Compiler] = []
     with Progress(title, len(waiting)) as progress, TemporaryDirectory(prefix="plumbline-warm-") as scratch:
         try:
             while waiting or running:
@@ -78,11 +77,9 @@ def warm_up(
 
 
 @dataclass(slots=True)
-class _Worker:
+class _Compiler(Worker):
     """A process that compiles. Terms: number: of the group that it compiles. own: the families that it has begun."""
 
-    process: Forked
-    inbox: Inbox
     number: int = -1
     own: set[str] = field(default_factory=set)
 
@@ -92,7 +89,7 @@ class _Worker:
         waiting.remove(self.number)
         self.own.add(groups[self.number].family)
         begun.add(groups[self.number].family)
-        self._tell(self.number)
+        self.tell(self.number)
 
     def answer(self) -> str | None:
         """Why its group could not be compiled, '' if it could; None as long as it compiles."""
@@ -109,23 +106,14 @@ class _Worker:
 
     def dismiss(self) -> None:
         """Let the process end by itself."""
-        self._tell(None)
+        self.tell(None)
         self.process.exit_code()
         self.stop()
 
-    def stop(self) -> None:
-        """End the process, whatever it does."""
-        self.process.end()
-        self.inbox.pipe.close()
 
-    def _tell(self, number: int | None) -> None:
-        with suppress(ConnectionError):  # if it has died, its inbox says so
-            self.inbox.pipe.send(number)
-
-
-def _start(kernels: Callable[[], Kernels], loads: tuple[str, ...], log: Path) -> _Worker:
+def _start(kernels: Callable[[], Kernels], loads: tuple[str, ...], log: Path) -> _Compiler:
     process = start(loaded(loads, WORTH_A_SERVER), _serve, kernels, log)
-    return _Worker(process, Inbox(process.pipe))
+    return _Compiler(process, None, Inbox(process.pipe))
 
 
 def _serve(pipe: Connection, kernels: Callable[[], Kernels], log: Path) -> None:

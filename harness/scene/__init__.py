@@ -4,10 +4,7 @@ from dataclasses import is_dataclass
 
 from plumbline.harness.scene.appearance import Appearance, Sun
 from plumbline.harness.scene.body import Body, PlacedShape
-from plumbline.harness.scene.camera import Camera, Distortion
-from plumbline.harness.scene.depth_camera import DepthCamera, DepthNoise, StereoNoise, StructuredLightNoise, TimeOfFlightNoise
 from plumbline.harness.scene.effect import Effect
-from plumbline.harness.scene.imu import AxisNoise, Imu, ImuNoise
 from plumbline.harness.scene.inertia import (
     box_inertia,
     capsule_inertia,
@@ -29,13 +26,26 @@ from plumbline.harness.scene.joint import (
     Revolute,
     Spring,
 )
-from plumbline.harness.scene.lidar import Lidar, LidarNoise
 from plumbline.harness.scene.motion import Motion, Samples, Sinusoid, sampled
 from plumbline.harness.scene.prescribed import Prescribed, Shift, Turn
 from plumbline.harness.scene.refusals import refuse_in_words
 from plumbline.harness.scene.rotation import axis_angle, multiply, rotate, rotation_matrix
 from plumbline.harness.scene.scene import EARTH_GRAVITY, Scene, SceneError
-from plumbline.harness.scene.sensor import Sensor
+from plumbline.harness.scene.sensor import (
+    AxisNoise,
+    Camera,
+    DepthCamera,
+    DepthNoise,
+    Distortion,
+    Imu,
+    ImuNoise,
+    Lidar,
+    LidarNoise,
+    Sensor,
+    StereoNoise,
+    StructuredLightNoise,
+    TimeOfFlightNoise,
+)
 from plumbline.harness.scene.shape import (
     Box,
     Capsule,

@@ -12,21 +12,22 @@ a factor of `MARGIN` of that bar is not judged. In
 a chaotic scene both grow until neither says anything, which is why they are compared sample by sample and not at the end. An
 effect also matters where a check that held breaks without it.
 
-An engine that is itself wrong says nothing of what a scene needs. Its answer counts at the samples at which it has converged:
-up to then halving the step again has moved bodies by less than halving it once did, and neither by more than `SMALL` of what
-the scene's effects move them by. That an effect matters takes one such sample; that it does not takes the last one. Elsewhere
-nothing is said.
+An engine that is itself wrong says nothing of what a scene needs. Where the truth of the case is a motion, the answer of an
+engine that passes its checks counts at the samples at which it is near that truth (`scale_by_truth`). Elsewhere at those at
+which it has converged: up to then halving the step again has moved bodies by less than halving it once did, and neither by
+more than `SMALL` of what the scene's effects move them by. That an effect matters takes one such sample; that it does not
+takes the last one. Elsewhere nothing is said.
 
 Declared effects that do not matter are a surplus, undeclared ones that do are missing: in both cases the scene fails its
-audit, which is judged on the reference engine, the one that can switch everything off. A case may insist on an effect that its
-own motion does not show, and says why.
+audit, which truths judge, or at least two engines that agree (`harness.findings.effects_jury`). A case may insist on an effect
+that its own motion does not show, and says why.
 
 Where several effects do not matter one by one, they are left out together, one more each time, as long as it makes no
 difference: what remains is the minimal set, which is what is proposed for a scene of the user's own.
 """
 
 import json
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -54,6 +55,8 @@ contact that falls elsewhere within its step."""
 SMALL = 0.1
 """Of what the scene's effects do, the share that halving the step may do: an error as large as an effect hides it."""
 ANSWERED = ("passed", "failed")
+MOTIONS = ("closed form", "converged reference", "rest")
+"""Kinds of truths of cases that may be a motion."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,9 +80,10 @@ class Consequence:
             return ""
         if not self.near:
             return scale.doubt
+        error = "it is off the truth" if scale.by_truth else "halving the step does"
         return (
             f"moves a body by {self.moved:.2g} m or rad, within a factor of {MARGIN:g} of the bar, {TWICE:g} times the "
-            f"{self.own:.2g} that halving the step does"
+            f"{self.own:.2g} that {error}"
         )
 
 
@@ -89,16 +93,18 @@ class Scale:
 
     Terms:
         own: the farthest [m, rad] that halving the time step has moved a body up to there; again: that halving it once more
-        has; both NaN without such a run. effects: that leaving out or taking in any one effect has.
+        has; both NaN without such a run. effects: that leaving out or taking in any one effect has. by_truth: is `own` how far
+        the engine is from the truth of the case, in place of a finer step? Then nothing has to shrink, and `again` is 0.
     """
 
     own: Floats
     again: Floats
     effects: Floats
+    by_truth: bool = False
 
     @property
     def converged(self) -> NDArray[np.bool_]:
-        """Where the engine's own error shrinks with the step and is small beside what effects do."""
+        """Where the engine's own error shrinks with the step, or is known, and is small beside what effects do."""
         shrinks = (self.again <= SHRUNK * self.own) & (self.own <= SMALL * self.effects)
         return np.asarray((np.fmax(self.own, self.again) <= FLOOR) & ~np.isnan(self.own + self.again) | shrinks)
 
@@ -111,6 +117,9 @@ class Scale:
         last = known[-1]
         if self.converged[last]:
             return ""
+        if self.by_truth:
+            own, most = self.own[last], self.effects[last]
+            return f"is {own:.2g} m or rad off the truth, where any effect moves a body by {most:.2g} at most"
         return (
             f"has not converged: halving the step moves a body by {self.own[last]:.2g} m or rad, halving it again by "
             f"{self.again[last]:.2g}, any effect by {self.effects[last]:.2g} at most"
@@ -182,17 +191,34 @@ NAMES = ("time", "p_WB", "q_WB")
 def scale_in(store: Store, runs: Mapping[str, Any]) -> Scale | None:
     """The scale of a scene from its runs by the name of their departure, as records or rows of the table of trials; None where
     the scene as it is has no answer."""
-    plain = runs.get("")
-    if plain is None or plain.status not in ANSWERED:
+    if (plain := runs.get("")) is None or plain.status not in ANSWERED:
         return None
+    here = store.trajectory(plain.trajectory_hash, NAMES)
+    return scale_of(here, _read(store, runs.get(FINER)), _read(store, runs.get(FINEST)), _single(store, runs))
 
-    def read(run: Any) -> Mapping[str, Any] | None:
-        return store.trajectory(run.trajectory_hash, NAMES) if run is not None and run.status in ANSWERED else None
 
-    single = (read(run) for run in runs.values() if run is not None and len(departure(run).single.names) == 1)
-    here = read(plain)
-    assert here is not None
-    return scale_of(here, read(runs.get(FINER)), read(runs.get(FINEST)), (run for run in single if run is not None))
+def scale_by_truth(store: Store, runs: Mapping[str, Any]) -> Scale | None:
+    """The same where the truth of the case takes the place of finer steps; None where it has no motion as its truth, or the
+    engine misses a check of the scene as it is."""
+    if (plain := runs.get("")) is None or plain.status != "passed":
+        return None
+    if store.described("cases", plain.case)["truth"] not in MOTIONS:
+        return None
+    here = store.trajectory(plain.trajectory_hash)
+    if not all(f"truth_{name}" in here for name in NAMES):
+        return None
+    scale = scale_of(here, {name: here[f"truth_{name}"] for name in NAMES}, None, _single(store, runs))
+    return replace(scale, again=np.where(np.isnan(scale.own), np.nan, 0.0), by_truth=True)
+
+
+def _read(store: Store, run: Any) -> Mapping[str, Any] | None:
+    return store.trajectory(run.trajectory_hash, NAMES) if run is not None and run.status in ANSWERED else None
+
+
+def _single(store: Store, runs: Mapping[str, Any]) -> Iterator[Mapping[str, Any]]:
+    """The trajectories of departures in one effect."""
+    single = (_read(store, run) for run in runs.values() if run is not None and len(departure(run).single.names) == 1)
+    return (run for run in single if run is not None)
 
 
 def matters(store: Store, plain: Any, other: Any, scale: Scale | None) -> Consequence | None:

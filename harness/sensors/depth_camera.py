@@ -6,12 +6,11 @@ by frame, so that a longer run begins with the shorter one's noise, and what is 
 """
 
 from dataclasses import replace
-from typing import assert_never
 
 import numpy as np
 
-from plumbline.harness.scene import Camera, DepthCamera, DepthNoise, StereoNoise, StructuredLightNoise, TimeOfFlightNoise
-from plumbline.harness.sensors import stereo, structured_light, time_of_flight
+from plumbline.harness.scene import Camera, DepthCamera, DepthNoise, TimeOfFlightNoise
+from plumbline.harness.sensors import time_of_flight, triangulation
 from plumbline.harness.sensors.camera import Pictures
 from plumbline.harness.sensors.pinhole import pixel_rays, view_of
 from plumbline.harness.sensors.reader import Setting, pose_of, row_of
@@ -23,15 +22,7 @@ from plumbline.harness.trajectory.kinematics import rotate
 
 def lost(noise: DepthNoise, sight: Sight) -> Mask:
     """Which measurable pixels the principle cannot measure, whatever the dice say, (r,). Raises: Unsupported."""
-    match noise:
-        case StereoNoise():
-            return stereo.lost(noise, sight)
-        case StructuredLightNoise():
-            return structured_light.lost(noise, sight)
-        case TimeOfFlightNoise():
-            return time_of_flight.lost(noise, sight)
-        case _:
-            assert_never(noise)
+    return time_of_flight.lost(noise, sight) if isinstance(noise, TimeOfFlightNoise) else triangulation.lost(noise, sight)
 
 
 def answer(noise: DepthNoise, sight: Sight, normal: Floats) -> Floats:
@@ -39,15 +30,9 @@ def answer(noise: DepthNoise, sight: Sight, normal: Floats) -> Floats:
 
     Raises: Unsupported.
     """
-    match noise:
-        case StereoNoise():
-            return stereo.answer(noise, sight, normal)
-        case StructuredLightNoise():
-            return structured_light.answer(noise, sight, normal)
-        case TimeOfFlightNoise():
-            return time_of_flight.answer(noise, sight, normal)
-        case _:
-            assert_never(noise)
+    if isinstance(noise, TimeOfFlightNoise):
+        return time_of_flight.answer(noise, sight, normal)
+    return triangulation.answer(noise, sight, normal)
 
 
 def picture_camera(camera: DepthCamera) -> Camera:

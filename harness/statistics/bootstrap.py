@@ -15,13 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from plumbline.harness.statistics.interval import Interval
-from plumbline.harness.statistics.student import percentile
+from plumbline.harness.statistics.student import Z_95, percentile
 
 DRAWS = 2000
 ENDS = (2.5, 97.5)
 """Percentiles of an interval of 95 %."""
-_NORMAL = 1.959963984540054
-"""Half the width of the normal distribution's interval of 95 %."""
 
 
 def interval_of_drawn(values: NDArray[np.float64]) -> tuple[float, float]:
@@ -36,7 +34,7 @@ def widening(count: int) -> float:
     Student's t over the normal's percentile: 2.19 for three samples, 1.4 for five, 1.05 for thirty. 1 for one, whose spread
     nobody knows.
     """
-    return percentile(ENDS[1] / 100, count - 1) / _NORMAL if count > 1 else 1.0
+    return percentile(ENDS[1] / 100, count - 1) / Z_95 if count > 1 else 1.0
 
 
 def interval_of_median(values: NDArray[np.float64], groups: Sequence[int] | None = None) -> tuple[float, float]:
@@ -58,7 +56,7 @@ def with_drift(middle: float, interval: tuple[float, float], drift: float) -> tu
 
     Args: drift: of what is measured from one time to another, root mean square and relative.
     """
-    low, high = (math.exp(math.hypot(math.log(end / middle), _NORMAL * drift)) for end in interval)
+    low, high = (math.exp(math.hypot(math.log(end / middle), Z_95 * drift)) for end in interval)
     return middle / low, middle * high
 
 

@@ -1,4 +1,4 @@
-"""Change points: the nights from which on a series lies on another level.
+"""Change points: the nights from which on a series lies on another level; and slopes that look like two of them.
 
 Candidates are the exact optimum of PELT (R. Killick, P. Fearnhead & I. A. Eckley, J. Amer. Statist. Assoc. 107 (2012) 1590) on
 logarithms whose outliers are clipped. Each is then moved to the night about which it most likely lies: the middle of the three
@@ -38,6 +38,8 @@ SHIFT = 6
 """Nights by which a candidate may be moved."""
 OUTLIERS = 0.03
 """Share of nights on which a price is one."""
+SHORTEST = 2 * FEWEST + 2
+"""Nights that have a spread."""
 TINY = 1e-6
 """Spread of a series that hardly varies: there is no t of none."""
 _NORMAL_MAD = 0.6745
@@ -99,7 +101,7 @@ def levels(series: Floats, steps: Collection[int], segments: NDArray[np.int64] |
             continue
         y = np.log(series[nights])
         ends = [int(np.searchsorted(nights, step)) for step in sorted(set(steps)) if nights[0] < step <= nights[-1]]
-        spread = _spread(y, ends) if len(y) >= 2 * FEWEST + 2 else 0.0
+        spread = _spread(y, ends) if len(y) >= SHORTEST else 0.0
         for a, b in pairwise([0, *ends, len(y)]):
             middle = _level(y[a:b], max(spread, TINY))[0]
             made.append(
@@ -153,7 +155,7 @@ class _Step:
 
 def _of_log(y: Floats, chance: float) -> list[tuple[int, _Step]]:
     """Index and step of each change in logarithms (n,), all finite."""
-    if len(y) < 2 * FEWEST + 2:
+    if len(y) < SHORTEST:
         return []  # a spread of so few values is none
     ends = _candidates(y)
     while ends:
@@ -247,3 +249,36 @@ def _test(y: Floats, start: int, at: int, end: int, spread: float) -> _Step:
     if abs(high - low) > CAP * spread:
         chance = max(chance, len(y) * OUTLIERS ** min(few, many))
     return _Step(high - low, min(1.0, chance), error)
+
+
+MARGIN = 6.0
+"""Squared spreads by which two steps have to fit better than a slope: exp(-6/2) is a chance of one in twenty."""
+ENDS = 150
+"""Nights on which a slope may begin and end: of more of them, every second, third, ..."""
+
+
+def one_drift(series: Floats, first: int, second: int) -> bool:
+    """Does one slope between two levels fit a series (n,), positive, NaN for a night without a value, as well as two steps?
+
+    Least squares of logarithms whose outliers are clipped. The slope may begin and end on any night; between its ends r(t)
+    grows from 0 to 1, and log p(t) = (1 - r(t)) p_0 + r(t) p_1.
+
+    Args: first, second: indices of the nights on which the two steps lie.
+    """
+    nights = np.flatnonzero(np.isfinite(series) & (series > 0))
+    if len(nights) < SHORTEST or first >= second:
+        return False
+    y, spread = without_outliers(np.log(series[nights]))
+    parts = np.split(y, np.searchsorted(nights, [first, second]))
+    stairs = sum(float(((part - part.mean()) ** 2).sum()) for part in parts if len(part))
+    return _of_slope(y, nights) <= stairs + MARGIN * spread**2
+
+
+def _of_slope(y: Floats, nights: NDArray[np.int64]) -> float:
+    """The least sum of squares around a slope that lasts three nights or more."""
+    tried = np.arange(0, len(y), 1 + len(y) // (ENDS + 1))
+    begins, ends = (tried[each] for each in np.triu_indices(len(tried), k=FEWEST))
+    r = np.clip((nights - nights[begins][:, None]) / (nights[ends] - nights[begins])[:, None], 0.0, 1.0)
+    centred, off = r - r.mean(axis=1, keepdims=True), y - y.mean()
+    explained = (centred @ off) ** 2 / (centred**2).sum(axis=1)
+    return float((off**2).sum() - explained.max())

@@ -165,16 +165,13 @@ def fit_slope(time: Sequence[float], value: Sequence[float]) -> Slope | None:
         N. R. Draper & H. Smith, Applied Regression Analysis (3rd ed., 1998), sec. 1.4; H. Flyvbjerg & H. G. Petersen, J. Chem.
         Phys. 91 (1989) 461 (block means of correlated series).
     """
-    from scipy import stats  # late: a listing must not pay for it
-
     t, y = np.asarray(time, dtype=np.float64), np.asarray(value, dtype=np.float64)
     if len(t) < 2 * BLOCKS:
         return None
     x = np.array([block.mean() for block in np.array_split(t, BLOCKS)])
     means = np.array([block.mean() for block in np.array_split(y, BLOCKS)])
-    fit = stats.linregress(x, means)
-    half = float(fit.stderr) * _student(BLOCKS - 2) if np.ptp(means) > 0 else 0.0
-    slope = float(fit.slope)
+    slope, spread = _line(x, means)
+    half = spread * _student(BLOCKS - 2)
     swing = float(np.ptp(y - slope * t))
     far = abs(slope) * float(t[-1] - t[0])
     return Slope(slope=slope, low=slope - half, high=slope + half, swing=swing, secular=abs(slope) > half and far > swing)

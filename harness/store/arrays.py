@@ -6,7 +6,6 @@ import hashlib
 import io
 import math
 from collections.abc import Mapping, Sequence
-from functools import lru_cache
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -73,23 +72,9 @@ def _stored(content: bytes, only: Sequence[str]) -> dict[str, NDArray[Any]] | No
 def _array(content: bytes, member: ZipInfo) -> NDArray[Any]:
     lengths = member.header_offset + 26  # of its name and of what else stands before it
     start = lengths + 4 + sum(int.from_bytes(content[at : at + 2], "little") for at in (lengths, lengths + 2))
-    long = 2 if content[start + 6] == 1 else 4  # bytes of the header's length: by the version of the format
-    head = start + 8 + long + int.from_bytes(content[start + 8 : start + 8 + long], "little")
-    shape, by_columns, kind = _header(content[start:head])
-    numbers = np.frombuffer(content, kind, math.prod(shape), head)
-    return numbers.reshape(shape, order="F" if by_columns else "C").copy()
-
-
-@lru_cache(maxsize=1024)
-def _header(head: bytes) -> tuple[tuple[int, ...], bool, np.dtype[Any]]:
-    """Shape, order and kind of an array as its file begins; alike in many files."""
-    stream = io.BytesIO(head)
-    version = npy.read_magic(stream)
-    read = npy.read_array_header_1_0 if version == (1, 0) else npy.read_array_header_2_0
-    shape, by_columns, kind = read(stream, max_header_size=len(head))
-    if kind.hasobject:
-        raise ValueError("it holds objects")
-    return shape, by_columns, kind
+    (stream := io.BytesIO(content)).seek(start)
+    array: NDArray[Any] = npy.read_array(stream, allow_pickle=False, max_header_size=len(content))
+    return array
 
 
 _STATES = ("time", "p_WB", "q_WB", "v_WB", "w_WB")

@@ -7,29 +7,33 @@ import json
 import re
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
+from errno import ENOENT
 from itertools import pairwise
 from pathlib import Path
 from typing import Any, Literal
 
 import tomli_w
-from pydantic import FiniteFloat, TypeAdapter, ValidationError
+from pydantic import FiniteFloat, TypeAdapter
 from typing_extensions import TypedDict
 
 from plumbline.harness.case.undropped import OWN
 from plumbline.harness.case.undropped import beside as undropped_beside
 from plumbline.harness.scene import PlacedShape
 from plumbline.harness.scene.file import dump_toml
-from plumbline.harness.scene.importers.commands import Log
 from plumbline.harness.scene.importers.fidelity import plain
 from plumbline.harness.scene.importers.imported import Imported
+from plumbline.harness.scene.importers.replay import Log
 from plumbline.harness.store import disk
-from plumbline.harness.store.disk import make_folder, write_atomically
-from plumbline.harness.store.journal import refuse_links
-from plumbline.harness.store.seal import Damaged, check_seal, require_seal, sealed_json, sealed_toml
+from plumbline.harness.store.journal import DamagedFile, refuse_links
+from plumbline.harness.store.record import checked
+from plumbline.harness.store.seal import Damaged, read_sealed, sealed_json, sealed_toml
+from plumbline.harness.store.store import read_plain, write_json
 
 FOLDER = "scenes"
 MINIMAL = "minimal"
 """The folder of scenes that the audit of effects proposes; made from the rest, like a report."""
+CURE = "run the robot's file again into this folder with --resume"
+"""What to do about a file here that is not as it was written."""
 _TABLE = "fidelity.json"
 _LOOKS = "looks.json"
 _STATES = "states.json"
@@ -43,9 +47,6 @@ class Measured(TypedDict):
     source: str
     time: list[FiniteFloat]
     positions: dict[str, list[FiniteFloat]]
-
-
-_MEASURED: TypeAdapter[Measured] = TypeAdapter(Measured)
 
 
 def keep(folder: Path, imported: Imported, states: Log | None = None) -> Path:
@@ -100,57 +101,42 @@ def _plain_log(log: Log) -> Measured:
 def states_of(folder: Path, case: str) -> Measured | None:
     """What was measured of the robot that a case is made of: source, time [s], positions by joint; None without.
 
-    Raises: Damaged.
+    Raises: DamagedFile.
     """
     path = folder / FOLDER / Path(case).parent.name / _STATES
-    if not case.startswith(OWN) or not path.is_file():
+    table = read_plain(path) if case.startswith(OWN) else {}
+    if not table:
         return None
-    content = disk.read(path)
-    if not check_seal(path, content):
-        raise Damaged(f"{path}: it has no checksum")
     try:
-        stored = _MEASURED.validate_json(content)
-    except ValidationError as error:
-        first = error.errors()[0]
-        raise Damaged(f"{path}: {'.'.join(map(str, first['loc']))}: {first['msg']}") from None
-    lengths = {len(values) for values in stored["positions"].values()} - {len(stored["time"])}
-    if lengths or not stored["time"] or any(later <= earlier for earlier, later in pairwise(stored["time"])):
-        raise Damaged(f"{path}: time: expected rising times, and as many positions of each joint")
+        stored = checked(Measured, table, "states")
+        lengths = {len(values) for values in stored["positions"].values()} - {len(stored["time"])}
+        if lengths or not stored["time"] or any(later <= earlier for earlier, later in pairwise(stored["time"])):
+            raise ValueError("holds no states: time: expected rising times, and as many positions of each joint")
+    except ValueError as error:
+        raise DamagedFile(path, str(error), CURE) from None
     return stored
 
 
-def kept(folder: Path) -> Iterator[dict[str, Any]]:
-    """The fidelity tables of a run folder, each with the name and source of its robot. Raises: Damaged."""
-    for _, table in kept_by(folder):
-        yield table
-
-
 def kept_by(folder: Path) -> Iterator[tuple[str, dict[str, Any]]]:
-    """The same by the name of the folder that each lies in. Raises: Damaged."""
+    """The fidelity tables of a run folder, each with the name and source of its robot, by the folder that it lies in.
+
+    Raises: DamagedFile.
+    """
     for path in sorted((folder / FOLDER).glob(f"*/{_TABLE}")):
-        content = disk.read(path)
-        if not check_seal(path, content):
-            raise Damaged(f"{path}: it has no checksum")
-        table: dict[str, Any] = json.loads(content)
-        yield path.parent.name, table
+        yield path.parent.name, read_plain(path)
 
 
 def looks_of(folder: Path, case: str) -> dict[str, Any]:
-    """By body, what is drawn of a robot that a case is made of, as a scene file has it; empty where that is not known."""
-    path = folder / FOLDER / Path(case).parent.name / _LOOKS
-    if not case.startswith(OWN) or not path.is_file():
-        return {}
-    content = disk.read(path)
-    if not check_seal(path, content):
-        raise Damaged(f"{path}: it has no checksum")
-    kept_looks: dict[str, Any] = json.loads(content)
-    kept_looks.pop("checksum", None)
-    return kept_looks
+    """By body, what is drawn of a robot that a case is made of, as a scene file has it; empty where that is not known.
+
+    Raises: DamagedFile.
+    """
+    return read_plain(folder / FOLDER / Path(case).parent.name / _LOOKS) if case.startswith(OWN) else {}
 
 
 def fidelity_of(folder: Path) -> list[dict[str, Any]]:
-    """The rows of all fidelity tables of a run folder, each with its robot. Raises: Damaged."""
-    return [{"robot": table["name"], **row} for table in kept(folder) for row in table["rows"]]
+    """The rows of all fidelity tables of a run folder, each with its robot. Raises: DamagedFile."""
+    return [{"robot": table["name"], **row} for _, table in kept_by(folder) for row in table["rows"]]
 
 
 def unsound(folder: Path) -> Iterator[tuple[Path, str]]:
@@ -160,7 +146,7 @@ def unsound(folder: Path) -> Iterator[tuple[Path, str]]:
             yield path, "belongs to no import"
             continue
         try:
-            require_seal(path, disk.read(path))
+            read_sealed(path)
         except Damaged as error:
             yield path, str(error)
 
@@ -215,21 +201,20 @@ class ParityRecord:
 
 def write(folder: Path, record: ParityRecord) -> Path:
     """`folder/parity.json`, sealed. Raises: OSError."""
-    make_folder(folder)
-    path = folder / FILE
-    write_atomically(path, sealed_json(FILE, {"schema": SCHEMA, **asdict(record)}))
-    return path
+    disk.make_folder(folder)
+    write_json(folder / FILE, {"schema": SCHEMA, **asdict(record)})
+    return folder / FILE
 
 
 def read(folder: Path) -> ParityRecord:
-    """What `write` has written. Raises: OSError, Damaged."""
+    """What `write` has written. Raises: OSError, DamagedFile."""
     path = folder / FILE
-    content = path.read_bytes()
-    if not check_seal(path, content):
-        raise Damaged("it has no seal, expected one at its end")
-    table = json.loads(content)
-    if table.pop("schema") != SCHEMA:
-        raise Damaged(f"its schema is not {SCHEMA}")
-    del table["checksum"]
-    sides = (ParitySide(**{**side, "rows": tuple(side["rows"]), "notes": tuple(side["notes"])}) for side in table.pop("sides"))
-    return ParityRecord(**table, sides=tuple(sides))
+    if not path.is_file():
+        raise FileNotFoundError(ENOENT, "no comparison of robot files", str(path))
+    table = read_plain(path)
+    try:
+        if (schema := table.pop("schema", None)) != SCHEMA:
+            raise ValueError(f"has schema {schema}, this program reads {SCHEMA}")
+        return checked(ParityRecord, table, "comparison")
+    except ValueError as error:
+        raise DamagedFile(path, str(error), "compare the files again") from None

@@ -10,14 +10,14 @@ import hashlib
 import json
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, ClassVar, Generic, TypeVar
 
 from plumbline.harness.intake.error import LiesIn, PlumblineError
 from plumbline.harness.store import disk
 from plumbline.harness.store.forms import CONTENTS, JournalLine, Kind
-from plumbline.harness.store.record import SCHEMA_VERSION, Record, Timing, checked, parts_of_runs
+from plumbline.harness.store.record import SCHEMA_VERSION, Record, Timing, checked, from_plain, parts_of_runs, plain
 
 
 class StoreError(PlumblineError):
@@ -57,19 +57,26 @@ class FolderTaken(StoreError):
     lies_in = "usage"
 
 
-@dataclass(slots=True)
-class LineChain:
-    """The lines of a journal so far, whatever is kept of what they say.
+Entry = TypeVar("Entry")
+
+
+@dataclass
+class LineChain(Generic[Entry]):
+    """The lines of a journal so far, whatever is kept of a record.
 
     Terms:
-        sessions: the circumstances of each, in order. withdrawn: by trial that has no record any more, why.
-        checksums: of all lines.
+        entries: by trial, what is kept of its record, without the withdrawn; lost: the same of the withdrawn. withdrawn: by
+        trial, why. made_in: by trial, the number of its session, -1 where none had begun.
+        sessions: the circumstances of each, in order. checksums: of all lines.
         end: bytes of whole lines; content: the digest of them, under way. torn: bytes behind them, what a kill left of a line.
     """
 
     path: Path
-    sessions: list[Mapping[str, Any]] = field(default_factory=list)
+    entries: dict[str, Entry] = field(default_factory=dict)
+    lost: dict[str, Entry] = field(default_factory=dict)
     withdrawn: dict[str, str] = field(default_factory=dict)
+    made_in: dict[str, int] = field(default_factory=dict)
+    sessions: list[Mapping[str, Any]] = field(default_factory=list)
     checksums: list[str] = field(default_factory=list)
     end: int = 0
     content: "hashlib._Hash" = field(default_factory=hashlib.sha256)
@@ -102,104 +109,66 @@ class LineChain:
             self.sessions.append(content)
         elif kind == "withdrawn":
             for trial in trials:
-                if not self.holds(trial):
+                if trial not in self.entries:
                     raise ValueError(f"withdraws trial {trial}, which has no record")
-                self.withdraw(trial)
+                self.lost[trial] = self.entries.pop(trial)
                 self.withdrawn[trial] = content.get("because", "")
         elif kind == "restored":
             for trial in trials:
                 if trial not in self.withdrawn:
                     raise ValueError(f"brings back trial {trial}, which was not withdrawn")
-                self.restore(trial)
+                self.entries[trial] = self.lost.pop(trial)
                 del self.withdrawn[trial]
         elif not isinstance(name := content.get("trial"), str):
             raise ValueError(f"holds no {kind} of a trial: got {str(name)[:80]!r} for its name")
         elif kind == "accuracy":
-            if self.holds(name):
+            if name in self.entries:
                 raise ValueError(f"holds trial {name} a second time")
-            self.answer(content)
+            self.entries[name] = self.answered(from_plain(Record, content))
+            self.made_in[name] = len(self.sessions) - 1
+            self.lost.pop(name, None)
             self.withdrawn.pop(name, None)
         else:
-            if not self.holds(name):
+            if name not in self.entries:
                 raise ValueError(f"clocks trial {name}, which has no record")
-            if self.clocked_on(name) == content.get("clocked_on", ""):
+            timing = from_plain(Timing, content)
+            if self.clocked_on(name) == timing.clocked_on:
                 raise ValueError(f"holds the timing of trial {name} a second time")
-            self.time(content)
-
-    def holds(self, trial: str) -> bool:
-        """Has it a record of this trial?"""
-        raise NotImplementedError
+            self.entries[name] = self.timed(self.entries[name], timing)
 
     def clocked_on(self, trial: str) -> str | None:
         """The machine of its timing; None without one."""
         raise NotImplementedError
 
-    def answer(self, content: Mapping[str, Any]) -> None:
-        """A record in plain values."""
+    def answered(self, record: Record) -> Entry:
+        """What is kept of a record."""
         raise NotImplementedError
 
-    def time(self, content: Mapping[str, Any]) -> None:
-        """A timing in plain values."""
-        raise NotImplementedError
-
-    def withdraw(self, trial: str) -> None:
-        """Take a record out."""
-        raise NotImplementedError
-
-    def restore(self, trial: str) -> None:
-        """Bring a withdrawn record back."""
+    def timed(self, entry: Entry, timing: Timing) -> Entry:
+        """What is kept of the same record with its timing."""
         raise NotImplementedError
 
 
-@dataclass(slots=True)
-class Written(LineChain):
-    """All that a journal says.
+class Written(LineChain[Record]):
+    """All that a journal says: its entries are records, each with its timing where there is one."""
 
-    Terms:
-        records: by trial, each with its timing where there is one, without the withdrawn. clocked: by trial that has a timing,
-        the machine of it. lost: by withdrawn trial, the record that it had. made_in: by trial, the number of its session, -1
-        where none had begun.
-    """
-
-    records: dict[str, Record] = field(default_factory=dict)
-    clocked: dict[str, str] = field(default_factory=dict)
-    lost: dict[str, Record] = field(default_factory=dict)
-    made_in: dict[str, int] = field(default_factory=dict)
-
-    def holds(self, trial: str) -> bool:
-        """Has it a record of this trial?"""
-        return trial in self.records
+    @property
+    def records(self) -> dict[str, Record]:
+        """By trial, without the withdrawn."""
+        return self.entries
 
     def clocked_on(self, trial: str) -> str | None:
         """The machine of its timing; None without one."""
-        return self.clocked.get(trial)
+        timing = self.entries[trial].timing if trial in self.entries else None
+        return None if timing is None else timing.clocked_on
 
-    def answer(self, content: Mapping[str, Any]) -> None:
-        """A record in plain values."""
-        record = Record.from_plain(content)
-        self.made_in[record.trial] = len(self.sessions) - 1
-        self._put(record)
+    def answered(self, record: Record) -> Record:
+        """All of it."""
+        return record
 
-    def time(self, content: Mapping[str, Any]) -> None:
-        """A timing in plain values."""
-        timing = Timing.from_plain(content)
-        self.records[timing.trial] = self.records[timing.trial].timed(timing)
-        self.clocked[timing.trial] = timing.clocked_on
-
-    def withdraw(self, trial: str) -> None:
-        """Take a record out."""
-        self.lost[trial] = self.records.pop(trial)
-        self.clocked.pop(trial, None)
-
-    def restore(self, trial: str) -> None:
-        """Bring a withdrawn record back."""
-        self._put(self.lost[trial])
-
-    def _put(self, record: Record) -> None:
-        self.records[record.trial] = record
-        self.lost.pop(record.trial, None)
-        if record.samples:
-            self.clocked[record.trial] = record.clocked_on
+    def timed(self, entry: Record, timing: Timing) -> Record:
+        """The record with its timing."""
+        return replace(entry, timing=timing)
 
 
 def _checksum(text: bytes) -> str:
@@ -215,7 +184,7 @@ def _line(number: int, before: str, kind: Kind, content: Mapping[str, Any]) -> t
     return checksum, b"%b %b\n" % (checksum.encode(), text)
 
 
-def _amiss(written: LineChain, entry: JournalLine) -> str:
+def _amiss(written: LineChain[Any], entry: JournalLine) -> str:
     """The error in the chain of the line, or ''."""
     due, before = len(written.checksums) + 1, written.checksums[-1] if written.checksums else ""
     number = entry.number
@@ -236,7 +205,7 @@ def check_schema(path: Path, schema: int, where: str = "") -> None:
         raise DamagedFile(path, what, "run the study again into a new folder")
 
 
-Lines = TypeVar("Lines", bound=LineChain)
+Lines = TypeVar("Lines", bound=LineChain[Any])
 
 
 def read_lines(chain: Lines) -> Lines:
@@ -260,7 +229,7 @@ def read_lines(chain: Lines) -> Lines:
     return chain
 
 
-def _take(chain: LineChain, number: int, line: bytes, *, last: bool) -> bool:
+def _take(chain: LineChain[Any], number: int, line: bytes, *, last: bool) -> bool:
     """Take one line in; False for the rest that a kill left of one. Raises: DamagedFile."""
     path = chain.path
     checksum, _, text = line.removesuffix(b"\n").partition(b" ")
@@ -277,10 +246,10 @@ def _take(chain: LineChain, number: int, line: bytes, *, last: bool) -> bool:
         what = f"line {number}{', the last,' if last else ''} is corrupt (its checksum differs)"
         raise DamagedFile(path, what, f"{cure}, or start a new folder")
     try:
-        plain = json.loads(text)
-        if isinstance(plain, dict) and isinstance(plain.get("schema"), int):
-            check_schema(path, plain["schema"], f"line {number} ")
-        entry = checked(JournalLine, plain, "line")
+        told = json.loads(text)
+        if isinstance(told, dict) and isinstance(told.get("schema"), int):
+            check_schema(path, told["schema"], f"line {number} ")
+        entry = checked(JournalLine, told, "line")
         if amiss := _amiss(chain, entry):
             raise ValueError(amiss)
         if entry.kind in CONTENTS:
@@ -332,9 +301,9 @@ class Writer(Generic[Lines]):
 
     def begin(self, circumstances: Mapping[str, Any]) -> None:
         """Say what a session begins under, unless that is what the last one began under. Raises: OSError."""
-        plain = json.loads(json.dumps(circumstances))
-        if not self.written.sessions or self.written.sessions[-1] != plain:
-            self._append("session", plain)
+        session = json.loads(json.dumps(circumstances))
+        if not self.written.sessions or self.written.sessions[-1] != session:
+            self._append("session", session)
 
     def withdraw(self, trials: Sequence[str], because: str) -> None:
         """Take trials out that no longer hold; their lines stay. Raises: StoreError, OSError."""
@@ -348,12 +317,11 @@ class Writer(Generic[Lines]):
 
     def append(self, entry: Record | Timing) -> None:
         """Write one entry through to the disk. Raises: StoreError, where it is there already; OSError."""
-        held = self.written.holds(entry.trial)
-        timed = isinstance(entry, Timing)
-        if (held and self.written.clocked_on(entry.trial) == entry.clocked_on) if timed else held:
+        held, timing = entry.trial in self.written.entries, entry if isinstance(entry, Timing) else entry.timing
+        if (held and self.written.clocked_on(entry.trial) == entry.clocked_on) if isinstance(entry, Timing) else held:
             raise StoreError(f"{self.path}: trial {entry.trial} is already there")
-        assert not parts_of_runs(entry.clocked, entry.samples), f"trial {entry.trial}: clocked over parts of runs"
-        self._append("accuracy" if isinstance(entry, Record) else "timing", entry.plain())
+        assert timing is None or not parts_of_runs(timing), f"trial {entry.trial}: clocked over parts of runs"
+        self._append("accuracy" if isinstance(entry, Record) else "timing", plain(entry))
 
     def _append(self, kind: Kind, content: Mapping[str, Any]) -> None:
         written = self.written
@@ -379,8 +347,3 @@ class Journal(Writer[Written]):
     def records(self) -> Mapping[str, Record]:
         """By trial, each with its timing where there is one."""
         return self.written.records
-
-    @property
-    def timings(self) -> Mapping[str, str]:
-        """By trial, the machine that it was clocked on."""
-        return self.written.clocked

@@ -10,7 +10,7 @@ import tomli_w
 from plumbline.harness.store import disk
 from plumbline.harness.store.journal import FolderTaken, StoreError, read_written
 from plumbline.harness.store.record import Record
-from plumbline.harness.store.seal import Damaged, require_seal, sealed_json, sealed_toml
+from plumbline.harness.store.seal import Damaged, read_sealed, sealed_json, sealed_toml
 from plumbline.harness.store.store import Store
 from plumbline.harness.store.stored_tables import COLUMNS, in_order, in_parquet
 
@@ -38,7 +38,7 @@ def published(folder: Path | None = None) -> Store:
         raise NotPublished(f"{folder}: no published dataset; plumbline publish DIR makes one of a run folder")
     try:
         for name in _PLAIN:
-            require_seal(folder / name, disk.read(folder / name))
+            read_sealed(folder / name)
         store = Store(folder)
         for name in COLUMNS:
             if disk.digest(folder / f"{name}.parquet") != store.machine["tables"].get(name):

@@ -7,7 +7,7 @@ import hashlib
 import json
 import math
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cache
 from typing import Any, Literal, TypeVar
@@ -86,17 +86,6 @@ def digest(value: Any) -> str:
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
-def _worded(value: Any) -> Any:
-    """The same value with non-finite numbers as words, which strict JSON lacks."""
-    if isinstance(value, float):
-        return value if math.isfinite(value) else str(value)
-    if isinstance(value, Mapping):
-        return {str(key): _worded(element) for key, element in value.items()}
-    if isinstance(value, list | tuple):
-        return [_worded(element) for element in value]
-    return value
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Measurement:
     """A metric's value in one trial; `at_most` and `passed` are None where it is only observed.
@@ -138,17 +127,17 @@ class Sample:
     emulated: float | None = None
 
 
-def parts_of_runs(clocked: str, samples: Sequence[Sample]) -> list[Sample]:
-    """The samples that are no whole runs, of a timing that says it is of such."""
-    return [s for s in samples if clocked == "whole runs" and (s.run < 1 or s.steps < s.run or s.steps % s.run)]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Timing:
-    """What the timing run of a trial gave: the timing columns of the table `trials`, and the samples behind them.
+    """What the timing run of a trial gave, and the samples behind it.
 
-    Terms: clocked_on: the digest of the machine, '' where it was not said. clocked: what the samples are of; of nothing, the
-    note says why. emulated: the middle of that of the samples.
+    Terms:
+        cpu_per_sim_s [s/s]: median with the 95 % bootstrap interval cpu_low..cpu_high; wall_per_sim_s likewise.
+        realtime_factor: simulated over wall seconds. unstable_timing: the interval is too wide or the canary moved.
+        unit: what was clocked, one of `harness.case.Unit`; cpu_per_unit [s] with its interval: the price of one.
+        note: what went wrong there. clocked_on: the digest of the machine, '' where it was not said. clocked: what the samples
+        are of; of nothing, the note says why. emulated: the share (0 to 1) of the price that is the adapter's own laws, the
+        middle of that of the samples.
     """
 
     trial: str
@@ -168,49 +157,23 @@ class Timing:
     emulated: float | None = None
     samples: tuple[Sample, ...] = ()
 
-    def plain(self) -> dict[str, Any]:
-        """A JSON-ready mapping; `from_plain` reads it back."""
-        return dataclasses.asdict(self)
 
-    @classmethod
-    def from_plain(cls, plain: Mapping[str, Any]) -> "Timing":
-        """Read back what `plain` wrote. Raises: ValueError, with the field that is none."""
-        return _read(cls, plain)
+def parts_of_runs(timing: Timing) -> list[Sample]:
+    """The samples that are no whole runs, of a timing that says it is of such."""
+    whole = timing.clocked == "whole runs"
+    return [s for s in timing.samples if whole and (s.run < 1 or s.steps < s.run or s.steps % s.run)]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Record:
-    """One trial's outcome; the fields up to `trajectory_hash` are the columns of the table `trials`.
+@dataclass(frozen=True, kw_only=True)
+class Asked:
+    """What a record says of its trial, in plain values.
 
     Terms:
-        parameters, settings, resolved: JSON. sim_seconds [s] simulated, steps taken. cpu_per_sim_s [s/s]: median with the 95 %
-        bootstrap interval cpu_low..cpu_high, None without a timing run. wall_per_sim_s likewise. realtime_factor:
-        simulated over wall seconds. unstable_timing: the interval is too wide or the canary moved.
-        track: 'default', 'tuned', the name of a variant of the study, or one of them with what a search turned in it. base: the
-        one that it descends from; no column.
-        warnings: what the engine, its adapter or the harness said; in the table as sentences. detail: trace or tail of
-        standard error, for people.
-        rough_cost: CPU seconds per simulated second (per unit, where that is no step), from short samples beside the run
-        of a sweep, or of an ensemble, which tables of limits show as rough; of a run of a ladder all that its process took,
-        from an engine that is ready to a judged answer. rough_ratio: the same over that of the engine's default track (tuned,
-        where that does not run) at the case's own step, clocked in turns with it: a sweep goes by it.
-        unit: what was clocked, one of `harness.case.Unit`; cpu_per_unit [s] with its interval: the price of one.
-        substep [s]: the step that the engine really took, dt over the sub-steps that it says it used; None without an answer.
-        clocks, workers, round, members, remedy, remedied, parts: of the trial. alteration: JSON, of the scene; empty for none.
-        sources: digests of the texts that decide the answer, by what they are; see `harness.study.sources`.
-        answered_on, clocked_on: the digests of the machines of the accuracy run, and rough cost, and of the timing run; see
-        `harness.store.machine_fingerprint`. clocked: what was under the clock, see `Clocked`. timing_note: what went wrong
-        there, as the warnings say too. emulated: the share (0 to 1) of the price that is the adapter's own laws.
-        recalled: the night of a history that computed the answer, '' where this run did. again: of a known answer that was
-        computed again all the same, what was known: its hash, or its status where it has none; '' of any other.
-        trajectory_kept: False where a trajectory is kept by its hash alone.
-        idle: knobs and values to which a search need not turn one from here, since the engine resolves its settings as before;
-        no column.
-        motion: the digest of all that moves the run, and of nothing that judges it; '' in folders of older versions.
-        simulated_as: of a kept answer that was judged anew, the trial that simulated it; '' of one that was simulated.
-        broke: when and how it diverged, None where it did not; no column.
-        memory [B]: by how much the process of the accuracy run grew while worlds were built and stepped; None of a case without
-        a number of worlds, and in folders of older versions.
+        parameters, settings: JSON. alteration: JSON, of the scene; empty for none. track: 'default', 'tuned', the name of a
+        variant of the study, or one of them with what a search turned in it. base: the one that it descends from; no column.
+        clocks, workers, round, members, remedy, remedied, parts: of the trial. sources: digests of the texts that decide the
+        answer, by what they are; see `harness.study.sources`. motion: the digest of all that moves the run, and of nothing that
+        judges it.
     """
 
     trial: str
@@ -221,29 +184,10 @@ class Record:
     engine: str
     engine_version: str
     track: str
+    base: str = ""
     dt: float
     settings: Mapping[str, Any]
-    resolved: Mapping[str, Any] = field(default_factory=dict)
     seed: int = 0
-    status: Status
-    reason: str
-    sim_seconds: float = 0.0
-    steps: int = 0
-    cpu_per_sim_s: float | None = None
-    cpu_low: float | None = None
-    cpu_high: float | None = None
-    wall_per_sim_s: float | None = None
-    realtime_factor: float | None = None
-    unstable_timing: bool | None = None
-    trajectory_hash: str | None = None
-    warnings: tuple[StoredNotice, ...] = ()
-    detail: str = ""
-    unit: str | None = None
-    cpu_per_unit: float | None = None
-    cpu_per_unit_low: float | None = None
-    cpu_per_unit_high: float | None = None
-    rough_cost: float | None = None
-    rough_ratio: float | None = None
     clocks: str = "work"
     workers: int = 1
     round: int = 0
@@ -251,79 +195,123 @@ class Record:
     members: int = 1
     remedy: str = ""
     remedied: str = ""
-    substep: float | None = None
     parts: int = 0
     sources: Mapping[str, str] = field(default_factory=dict)
-    answered_on: str = ""
-    clocked_on: str = ""
-    clocked: Clocked = ""
-    emulated: float | None = None
-    timing_note: str = ""
-    recalled: str = ""
-    again: str = ""
-    trajectory_kept: bool = True
-    base: str = ""
-    idle: tuple[tuple[str, Any], ...] = ()
     motion: str = ""
-    simulated_as: str = ""
-    memory: float | None = None
-    broke: str | None = None
-    measurements: tuple[Measurement, ...] = ()
-    samples: tuple[Sample, ...] = ()
 
-    def plain(self) -> dict[str, Any]:
-        """A JSON-ready mapping, non-finite numbers as the words 'nan', 'inf', '-inf'; `from_plain` reads it back."""
-        plain: dict[str, Any] = _worded(dataclasses.asdict(self))
-        return plain
+    def cell(self, *without: str) -> str:
+        """What is asked, whatever the versions, settings and sources, in which round. Args: without: names of fields."""
+        own = (name for name in _CELL if name not in without)
+        return repr([sorted(value.items(), key=str) if isinstance(value := getattr(self, n), Mapping) else value for n in own])
+
+
+_CELL = (
+    *("study", "experiment", "case", "parameters", "engine", "track", "dt", "seed"),
+    *("clocks", "workers", "alteration", "members", "remedied", "parts"),
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Answer:
+    """What came of a trial, as its process tells it.
+
+    Terms:
+        resolved: JSON. sim_seconds [s] simulated, steps taken. warnings: what the engine, its adapter or the harness said; in
+        the table as sentences. detail: trace or tail of standard error, for people.
+        substep [s]: the step that the engine really took, dt over the sub-steps that it says it used; None without an answer.
+        rough_cost: CPU seconds per simulated second (per unit, where that is no step), from short samples beside the run
+        of a sweep, or of an ensemble, which tables of limits show as rough; of a run of a ladder all that its process took,
+        from an engine that is ready to a judged answer. rough_ratio: the same over that of the engine's default track (tuned,
+        where that does not run) at the case's own step, clocked in turns with it: a sweep goes by it.
+        idle: knobs and values to which a search need not turn one from here, since the engine resolves its settings as before;
+        no column.
+        broke: when and how it diverged, None where it did not; no column.
+        memory [B]: by how much the process of the accuracy run grew while worlds were built and stepped; None of a case without
+        a number of worlds.
+        simulated_as: of a kept answer that was judged anew, the trial that simulated it; '' of one that was simulated.
+    """
+
+    status: Status
+    reason: str
+    detail: str = ""
+    resolved: Mapping[str, Any] = field(default_factory=dict)
+    warnings: tuple[StoredNotice, ...] = ()
+    measurements: tuple[Measurement, ...] = ()
+    sim_seconds: float = 0.0
+    steps: int = 0
+    substep: float | None = None
+    trajectory_hash: str | None = None
+    rough_cost: float | None = None
+    rough_ratio: float | None = None
+    idle: tuple[tuple[str, Any], ...] = ()
+    broke: str | None = None
+    memory: float | None = None
+    simulated_as: str = ""
 
     @property
     def answer(self) -> str:
         """The hash of what the engine said, or the status of a trial without an answer."""
         return self.trajectory_hash or self.status
 
+
+@dataclass(frozen=True, kw_only=True)
+class Record(Answer, Asked):
+    """All that is kept of one trial: what was asked, what came of it, and what its timing run gave; None without one.
+
+    Terms:
+        answered_on: the digest of the machine of the accuracy run, and rough cost; see `harness.store.machine_fingerprint`.
+        recalled: the night of a history that computed the answer, '' where this run did. again: of a known answer that was
+        computed again all the same, what was known: its hash, or its status where it has none; '' of any other.
+        trajectory_kept: False where a trajectory is kept by its hash alone.
+    """
+
+    answered_on: str = ""
+    recalled: str = ""
+    again: str = ""
+    trajectory_kept: bool = True
+    timing: Timing | None = None
+
     @property
     def disagrees(self) -> bool:
         """Was it computed again, and gave another answer to the same digest?"""
         return self.again not in ("", self.answer)
 
-    def timed(self, timing: Timing) -> "Record":
-        """The same record with the outcome of its timing run."""
-        kept = {name: getattr(timing, name) for name in _TIMED}
-        notes = (*self.warnings, StoredNotice(f"timing: {timing.note}", by="timing")) if timing.note else self.warnings
-        return dataclasses.replace(self, warnings=notes, timing_note=timing.note, **kept)
-
     @property
-    def timing(self) -> Timing | None:
-        """The outcome of its timing run; None without one."""
-        if not self.samples and not self.clocked and not self.clocked_on and not self.timing_note:
-            return None
-        return Timing(trial=self.trial, note=self.timing_note, **{name: getattr(self, name) for name in _TIMED})
-
-    @property
-    def unclocked(self) -> "Record":
-        """The record as its accuracy run left it."""
-        blank = {name: getattr(_BLANK, name) for name in _TIMED}
-        notice_of_timing = f"timing: {self.timing_note}"  # folders of older versions do not tell who said it
-        warnings = tuple(notice for notice in self.warnings if notice.by != "timing" and notice.text != notice_of_timing)
-        return dataclasses.replace(self, warnings=warnings, timing_note="", **blank)
-
-    @classmethod
-    def from_plain(cls, plain: Mapping[str, Any]) -> "Record":
-        """Read back what `plain` wrote. Raises: ValueError, with the field that is none."""
-        return _read(cls, plain)
+    def notices(self) -> tuple[StoredNotice, ...]:
+        """All that was said, of the timing run too."""
+        note = "" if self.timing is None else self.timing.note
+        return (*self.warnings, StoredNotice(f"timing: {note}", by="timing")) if note else self.warnings
 
 
-_TIMED = tuple(f.name for f in dataclasses.fields(Timing) if f.name not in {"trial", "note"})
-"""What a record has of its timing under the same names."""
-_BLANK = Timing(trial="")
 Entry = TypeVar("Entry", Record, Timing)
 _NAME = re.compile(r"[0-9A-Za-z_-]{1,64}")
 """Of a trial and of an answer: files are called by them."""
 
 
-def _read(of: type[Entry], plain: Mapping[str, Any]) -> Entry:
-    """What a journal tells, each field of its type; fields that are not known are passed over. Raises: ValueError."""
-    entry: Entry = checked(of, plain, of.__name__.lower())
+def plain(entry: Record | Timing) -> dict[str, Any]:
+    """A JSON-ready mapping, non-finite numbers as the words 'nan', 'inf', '-inf'; `from_plain` reads it back.
+
+    Not by pydantic, which panics where memory ends.
+    """
+    mapping: dict[str, Any] = _worded(dataclasses.asdict(entry))
+    return mapping
+
+
+def _worded(value: Any) -> Any:
+    """The same value with non-finite numbers as words, which strict JSON lacks."""
+    if isinstance(value, float):
+        return value if math.isfinite(value) else str(value)
+    if isinstance(value, Mapping):
+        return {str(key): _worded(element) for key, element in value.items()}
+    return [_worded(element) for element in value] if isinstance(value, list | tuple) else value
+
+
+def from_plain(of: type[Entry], mapping: Mapping[str, Any]) -> Entry:
+    """What `plain` wrote, each field of its type; fields that are not known are passed over.
+
+    Raises: ValueError, with the field that is none.
+    """
+    entry: Entry = checked(of, mapping, of.__name__.lower())
     for field_name in ("trial", "trajectory_hash"):
         name = getattr(entry, field_name, None)
         if name is not None and not _NAME.fullmatch(name):

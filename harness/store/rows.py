@@ -1,13 +1,10 @@
 """The rows of a table as mappings: what reports take out of tables by the ten thousand."""
 
 from collections.abc import Callable, Hashable, Iterable
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 import pandas as pd
 from pandas.api.extensions import ExtensionDtype
-
-if TYPE_CHECKING:
-    pass
 
 Item = TypeVar("Item")
 Key = TypeVar("Key", bound=Hashable)

@@ -10,6 +10,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from plumbline.harness.store import disk
+
 _DIGITS = 64
 _BEFORE, _BEHIND = (
     {".npz": b"plumbline ", ".json": b',\n "checksum": "', ".toml": b"# checksum "},
@@ -65,3 +67,10 @@ def require_seal(path: Path, content: bytes) -> None:
     """Raises: Damaged, where a file has no seal, or one that does not fit."""
     if not check_seal(path, content):
         raise Damaged("it has no checksum")
+
+
+def read_sealed(path: Path) -> bytes:
+    """All of a file that has its seal. Raises: Damaged, OSError."""
+    content = disk.read(path)
+    require_seal(path, content)
+    return content

@@ -58,7 +58,7 @@ def read_plain(path: Path) -> dict[str, Any]:
     return table
 
 
-def ends_early(written: LineChain, machine: Mapping[str, Any]) -> str:
+def ends_early(written: LineChain[Any], machine: Mapping[str, Any]) -> str:
     """How a journal ends before the line that it had when its folder's machine.json was written; '' where it does not."""
     known = machine.get("journal") or {"lines": 0, "checksum": ""}
     lines, checksum = known["lines"], known["checksum"]

@@ -16,7 +16,7 @@ import pandas as pd
 from plumbline.harness.intake.documents import InputError, regular
 from plumbline.harness.store import disk
 from plumbline.harness.store.journal import StoreError
-from plumbline.harness.store.record import Measurement, Record, Sample
+from plumbline.harness.store.record import Measurement, Record, Sample, Timing
 
 if TYPE_CHECKING:
     import pyarrow as pa
@@ -24,9 +24,15 @@ if TYPE_CHECKING:
 JSON_COLUMNS = ("parameters", "settings", "resolved", "warnings", "alteration", "sources")
 BESIDE = ("base", "idle", "notices")
 """What the file of the trials holds beside the columns that people are shown; `idle` and `notices` as JSON."""
-_NOT_IN_TABLES = ("broke", "measurements", "samples")
 COLUMNS = {
-    "trials": tuple(f.name for f in dataclasses.fields(Record) if f.name not in {*BESIDE, *_NOT_IN_TABLES}),
+    "trials": (
+        *("trial", "study", "experiment", "case", "parameters", "engine", "engine_version", "track", "dt", "settings"),
+        *("resolved", "seed", "status", "reason", "sim_seconds", "steps", "cpu_per_sim_s", "cpu_low", "cpu_high"),
+        *("wall_per_sim_s", "realtime_factor", "unstable_timing", "trajectory_hash", "warnings", "detail", "unit"),
+        *("cpu_per_unit", "cpu_per_unit_low", "cpu_per_unit_high", "rough_cost", "rough_ratio", "clocks", "workers", "round"),
+        *("alteration", "members", "remedy", "remedied", "substep", "parts", "sources", "answered_on", "clocked_on", "clocked"),
+        *("emulated", "timing_note", "recalled", "again", "trajectory_kept", "motion", "simulated_as", "memory"),
+    ),
     "measurements": ("trial", *(f.name for f in dataclasses.fields(Measurement))),
     "samples": ("trial", *(f.name for f in dataclasses.fields(Sample))),
 }
@@ -39,7 +45,10 @@ BATCH = 5000
 """Trials of a row group."""
 _NUMBERS: dict[Any, str] = {float: "float64", float | None: "float64", int: "int64", bool: "bool", bool | None: "boolean"}
 _TYPES = {
-    f.name: _NUMBERS[f.type] for table in (Measurement, Sample, Record) for f in dataclasses.fields(table) if f.type in _NUMBERS
+    f.name: _NUMBERS[f.type]
+    for table in (Measurement, Sample, Timing, Record)
+    for f in dataclasses.fields(table)
+    if f.type in _NUMBERS
 }
 """Of the columns that hold numbers; all others hold words."""
 _JSON = json.JSONEncoder(sort_keys=True)
@@ -50,31 +59,35 @@ Rows = dict[str, list[dict[str, Any]]]
 Order = tuple[str, str, str, float, int, str, str, str]
 
 
-def order_of(plain: Mapping[str, Any]) -> Order:
-    """How rows of tables stand, of a record in plain values: by study, experiment, case, the coarsest time step first, ..."""
-    study, experiment, case, dt, seed, track, engine, trial = (plain[name] for name in ORDER)
-    return study, experiment, case, -dt, seed, track, engine, trial
-
-
-ORDER = ("study", "experiment", "case", "dt", "seed", "track", "engine", "trial")
+def order_of(r: Record) -> Order:
+    """How rows of tables stand: by study, experiment, case, the coarsest time step first, ..."""
+    return r.study, r.experiment, r.case, -r.dt, r.seed, r.track, r.engine, r.trial
 
 
 def in_order(records: Iterable[Record]) -> list[Record]:
     """As rows of tables stand."""
-    return sorted(records, key=lambda record: order_of({name: getattr(record, name) for name in ORDER}))
+    return sorted(records, key=order_of)
+
+
+def flat(record: Record) -> dict[str, Any]:
+    """The row of the trials: what was asked, what came of it and what it took side by side, JSON where a cell holds more."""
+    timing = record.timing or _NOT_TIMED
+    row = vars(timing) | vars(record) | {"timing_note": timing.note}
+    row["warnings"] = [str(notice) for notice in record.notices]
+    row["notices"] = [dataclasses.asdict(notice) for notice in record.notices]
+    return row | {name: _JSON.encode(row[name]) for name in (*JSON_COLUMNS, "idle", "notices")}
+
+
+_NOT_TIMED = Timing(trial="")
 
 
 def _rows(records: Iterable[Record]) -> Rows:
     """The rows of the tables by name."""
     rows: Rows = {name: [] for name in COLUMNS}
     for record in records:
-        row = {name: getattr(record, name) for name in COLUMNS["trials"]}
-        row["warnings"] = [str(notice) for notice in record.warnings]
-        row |= {name: _JSON.encode(row[name]) for name in JSON_COLUMNS}
-        row |= {"base": record.base, "idle": _JSON.encode(record.idle)}
-        row["notices"] = _JSON.encode([dataclasses.asdict(notice) for notice in record.warnings])
-        rows["trials"].append(row)
-        for name, values in (("measurements", record.measurements), ("samples", record.samples)):
+        rows["trials"].append(flat(record))
+        samples = () if record.timing is None else record.timing.samples
+        for name, values in (("measurements", record.measurements), ("samples", samples)):
             rows[name] += [
                 {"trial": record.trial} | {field: getattr(value, field) for field in COLUMNS[name][1:]} for value in values
             ]

@@ -1,15 +1,14 @@
 """What became of each robot of a zoo: one sealed file a robot in the run folder, which a later run of it goes on from."""
 
-import json
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any, Literal
-
-from pydantic import TypeAdapter, ValidationError
+from typing import Literal
 
 from plumbline.harness.store import disk
-from plumbline.harness.store.seal import Damaged, check_seal, sealed_json
+from plumbline.harness.store.journal import DamagedFile
+from plumbline.harness.store.record import checked
+from plumbline.harness.store.store import read_plain, write_json
 
 FOLDER = "zoo"
 Stage = Literal["in", "not here", "not read", "refused", "no engine"]
@@ -29,10 +28,6 @@ class InEngine:
     verdict: Literal["can", "cannot", "unavailable", "failed"]
     drops: tuple[str, ...] = ()
     reason: str = ""
-
-    def plain(self) -> dict[str, Any]:
-        """As JSON has it."""
-        return asdict(self)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -62,28 +57,19 @@ class ZooEntry:
     bodies: int = 0
     joints: int = 0
 
-    def plain(self) -> dict[str, Any]:
-        """As JSON has it."""
-        return asdict(self)
 
-    @staticmethod
-    def of(plain: dict[str, Any]) -> "ZooEntry":
-        """From JSON. Raises: ValidationError."""
-        return _FORM.validate_python(plain)
-
-
-_FORM: TypeAdapter[ZooEntry] = TypeAdapter(ZooEntry)
+CURE = "delete it; run zoo with --resume takes that robot in anew"
+"""What to do about a file here that is not as it was written."""
 
 
 def write(folder: Path, entry: ZooEntry) -> None:
     """Keep an entry. Raises: OSError."""
     disk.make_folder(folder / FOLDER)
-    path = folder / FOLDER / f"{entry.name}.json"
-    disk.write_atomically(path, sealed_json(path.name, entry.plain()))
+    write_json(folder / FOLDER / f"{entry.name}.json", asdict(entry))
 
 
 def entries(folder: Path) -> Iterator[ZooEntry]:
-    """The entries of a run folder in the order of their names; none of one that is no zoo's. Raises: Damaged."""
+    """The entries of a run folder in the order of their names; none of one that is no zoo's. Raises: DamagedFile."""
     for path in sorted((folder / FOLDER).glob("*.json")):
         yield _read(path)
 
@@ -92,22 +78,20 @@ def unsound(folder: Path) -> Iterator[tuple[Path, str]]:
     """The files of the folder that are not as they were written, each with what is wrong."""
     for path in sorted((folder / FOLDER).glob("*")):
         try:
+            if path.suffix != ".json":
+                raise DamagedFile(path, "is no robot of a zoo", CURE)
             _read(path)
-        except (Damaged, OSError) as error:
+        except DamagedFile as error:
+            yield path, error.what
+        except OSError as error:
             yield path, str(error)
 
 
 def _read(path: Path) -> ZooEntry:
-    content = disk.read(path)
-    if not check_seal(path, content):
-        raise Damaged(f"{path}: it has no checksum")
-    table = json.loads(content)
-    del table["checksum"]
     try:
-        entry = ZooEntry.of(table)
-    except ValidationError as error:
-        first = error.errors()[0]
-        raise Damaged(f"{path}: {'.'.join(map(str, first['loc']))}: {first['msg']}") from None
-    if f"{entry.name}.json" != path.name:
-        raise Damaged(f"{path}: it is of robot {entry.name!r}")
+        entry = checked(ZooEntry, read_plain(path), "robot of a zoo")
+        if f"{entry.name}.json" != path.name:
+            raise ValueError(f"it is of robot {entry.name!r}")
+    except ValueError as error:
+        raise DamagedFile(path, str(error), CURE) from None
     return entry

@@ -1,14 +1,14 @@
 """A trial: one case at one set of parameters, on one engine, under one group of settings, and what it is called."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
 from plumbline.harness.adapter import Settings
 from plumbline.harness.case import Case, Clocks, Problem
 from plumbline.harness.case.alteration import AS_IT_IS, Alteration
 from plumbline.harness.scene import Scene
-from plumbline.harness.store.record import digest
+from plumbline.harness.store.record import Answer, Asked, Record, digest
 from plumbline.harness.study.experiment import Experiment, StudyError
 from plumbline.harness.study.foreseen_cost import NoScene, scene_at
 from plumbline.harness.study.sources import MOVING
@@ -95,6 +95,18 @@ class Trial:
         moving = {name: text for name, text in self.sources.items() if name in MOVING}
         motion, trial = (digest(asked | ({"sources": texts} if texts else {})) for texts in (moving, dict(self.sources)))
         return replace(self, trial=trial, motion=motion)
+
+    def record(self, answer: Answer) -> Record:
+        """What is kept of it with what came of it."""
+        told: dict[str, Any] = {
+            "experiment": self.experiment.name,
+            "base": self.base or self.track,
+            "dt": self.settings.dt,
+            "settings": self.settings.plain(),
+            "alteration": self.alteration.plain(),
+        }
+        alike = {each.name: getattr(self, each.name) for each in fields(Asked) if each.name not in told}
+        return Record(**alike, **told, **{each.name: getattr(answer, each.name) for each in fields(Answer)})
 
     def probing(self, case: Case, **changes: Any) -> "Trial":
         """Another trial of a search, with other parameters, settings or alteration; its name follows from all of them."""

@@ -5,7 +5,7 @@ An answer is judged as it is kept, array by array: judged anew from its file, it
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import fields, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -16,30 +16,17 @@ from plumbline.harness.case.own_truth import breaks
 from plumbline.harness.metric import Metric, NotMeasurable
 from plumbline.harness.scene import Scene
 from plumbline.harness.store.arrays import as_kept, read_trajectory, save_trajectory
-from plumbline.harness.store.record import Measurement, Record, Status, StoredNotice, short_of
+from plumbline.harness.store.record import Answer, Measurement, Record, Status, StoredNotice, short_of
 from plumbline.harness.study.trial import Trial
 from plumbline.harness.trajectory import Trajectory
 from plumbline.harness.trajectory.pace import Pace
 from plumbline.harness.trial.answer import RunAnswer, answer_of
 from plumbline.harness.trial.truth_cache import bounded, truth_of
 
-_TOLD_OTHERWISE = {"experiment", "base", "settings", "alteration"}
-_SHARED = {field.name for field in fields(Trial)} & {field.name for field in fields(Record)} - _TOLD_OTHERWISE
-
 
 def outcome(trial: Trial, status: Status, reason: str, detail: str = "") -> Record:
     """The record of a trial that gave no trajectory."""
-    return Record(
-        **{name: getattr(trial, name) for name in _SHARED},
-        experiment=trial.experiment.name,
-        base=trial.base or trial.track,
-        dt=trial.settings.dt,
-        settings=trial.settings.plain(),
-        alteration=trial.alteration.plain(),
-        status=status,
-        reason=reason,
-        detail=detail,
-    )
+    return trial.record(Answer(status=status, reason=reason, detail=detail))
 
 
 class TruthBroken(NotMeasurable):

@@ -11,7 +11,6 @@ numbers of steps between two samples are therefore relatively prime, and since s
 of the mean acceleration times h_4^2 is added to the bar of positions.
 """
 
-import json
 import sys
 import time as clock
 from collections.abc import Mapping
@@ -27,11 +26,9 @@ from plumbline.harness.metric import NotMeasurable
 from plumbline.harness.scene import Scene
 from plumbline.harness.scene.file import dump_json
 from plumbline.harness.statistics.richardson import extrapolate
-from plumbline.harness.store import disk
 from plumbline.harness.store.arrays import read_arrays, write_arrays
-from plumbline.harness.store.journal import StoreError
 from plumbline.harness.store.record import digest
-from plumbline.harness.store.seal import Damaged, require_seal, sealed_json
+from plumbline.harness.store.seal import Damaged
 from plumbline.harness.study.plugins import adapter
 from plumbline.harness.trajectory import Floats, State, Trajectory
 
@@ -122,22 +119,21 @@ def truth_of(
         reference = adapter("reference")
         asked = {"scene": dump_json(scene), "time": time.tolist(), "step": case.coarsest, "engine": reference.version()}
         kept = _place(folder, asked | {"laws": laws})
-        if (cached := _read(kept)) is not None:
-            return cached
+        if (arrays := _read(kept)) is not None:
+            return _truth(arrays)
         made = converged(scene, time, reference, case.coarsest)
-        if kept is not None:
-            _write(kept, made)
+        _keep_truth(kept, made)
         return made
     kept = _place(folder, {"case": case.name, "parameters": dict(parameters), "time": time.tolist(), "laws": laws})
-    if (cached := _read(kept)) is not None:
-        return cached
+    if (arrays := _read(kept)) is not None:
+        return _truth(arrays)
     start = clock.monotonic()
     truth = case.truth_at(time, parameters)
     if isinstance(truth, Trajectory):
         truth = Converged(trajectory=truth, position_error=0.0, velocity_error=0.0)
     plain = truth is not None and not truth.trajectory.streams and truth.trajectory.contacts is None
-    if truth is not None and kept is not None and plain and clock.monotonic() - start > LONG:
-        _write(kept, truth)
+    if truth is not None and plain and clock.monotonic() - start > LONG:
+        _keep_truth(kept, truth)
     return truth
 
 
@@ -153,20 +149,20 @@ def bounded(
     `substep` [s]; kept under `folder` where they take long."""
     if not any(callable(check.at_most) for check in case.checks):
         return case
-    kept = _place(
-        folder, {"case": case.name, "bounds at": [dt, substep], "parameters": dict(parameters), "laws": _laws(sources)}, "json"
-    )
-    bounds = _read_bounds(kept)
-    if bounds is None:
+    at = {"case": case.name, "bounds at": [dt, substep], "parameters": dict(parameters), "laws": _laws(sources)}
+    kept = _place(folder, at)
+    if (arrays := _read(kept)) is not None:
+        bounds: list[float] = arrays["bounds"].tolist()
+    else:
         start = clock.monotonic()
         bounds = [check.bound(dt, case.at(**parameters), substep) for check in case.checks]
         if kept is not None and clock.monotonic() - start > LONG:
-            _write_bounds(kept, bounds)
+            write_arrays(kept, {"bounds": np.array(bounds)})
     return replace(case, checks=tuple(replace(check, at_most=b) for check, b in zip(case.checks, bounds, strict=True)))
 
 
-def _place(folder: Path | None, depends: Mapping[str, Any], kind: str = "npz") -> Path | None:
-    return None if folder is None else folder / "truths" / f"{digest(depends)}.{kind}"
+def _place(folder: Path | None, depends: Mapping[str, Any]) -> Path | None:
+    return None if folder is None else folder / "truths" / f"{digest(depends)}.npz"
 
 
 def _laws(sources: Mapping[str, str] | None) -> list[str]:
@@ -176,44 +172,25 @@ def _laws(sources: Mapping[str, str] | None) -> list[str]:
     )
 
 
-def _damaged(kept: Path, error: Damaged) -> None:
-    print(f"{kept}: {error}; it is made again", file=sys.stderr)
-
-
-def _read_bounds(kept: Path | None) -> list[float] | None:
-    if kept is None or not kept.is_file():
-        return None
+def _read(kept: Path | None) -> dict[str, Any] | None:
+    """The arrays that were kept there; None where there are none, or they are damaged, which is said."""
     try:
-        content = disk.read(kept)
-        require_seal(kept, content)
-        bounds: list[float] = json.loads(content)["bounds"]
+        return None if kept is None or not kept.is_file() else read_arrays(kept)
     except Damaged as error:
-        _damaged(kept, error)
+        print(f"{kept}: {error}; it is made again", file=sys.stderr)
         return None
-    return bounds
 
 
-def _write_bounds(kept: Path, bounds: list[float]) -> None:
-    try:
-        disk.make_folder(kept.parent)
-        disk.write_atomically(kept, sealed_json(kept.name, {"bounds": bounds}))
-    except OSError as error:
-        raise StoreError(f"{kept}: not written: {error.strerror or error}; mend that, and --resume goes on") from error
+_STATES = ("time", "p_WB", "q_WB", "v_WB", "w_WB")
 
 
-def _read(kept: Path | None) -> Converged | None:
-    if kept is None or not kept.is_file():
-        return None
-    try:
-        arrays: dict[str, Any] = read_arrays(kept)
-        states = (arrays[name] for name in ("time", "p_WB", "q_WB", "v_WB", "w_WB"))
-        position, velocity = arrays["errors"].tolist()
-    except Damaged as error:
-        _damaged(kept, error)
-        return None
+def _truth(arrays: Mapping[str, Any]) -> Converged:
+    position, velocity = arrays["errors"].tolist()
+    states = (arrays[name] for name in _STATES)
     return Converged(trajectory=Trajectory(*states), position_error=position, velocity_error=velocity)
 
 
-def _write(kept: Path, made: Converged) -> None:
-    t, errors = made.trajectory, np.array([made.position_error, made.velocity_error])
-    write_arrays(kept, {"time": t.time, "p_WB": t.p_WB, "q_WB": t.q_WB, "v_WB": t.v_WB, "w_WB": t.w_WB, "errors": errors})
+def _keep_truth(kept: Path | None, made: Converged) -> None:
+    if kept is not None:
+        states = {name: getattr(made.trajectory, name) for name in _STATES}
+        write_arrays(kept, states | {"errors": np.array([made.position_error, made.velocity_error])})

@@ -11,7 +11,7 @@ from plumbline.reports.html.template import fill
 from plumbline.reports.page import Page, Rendered
 from plumbline.reports.pictures.case_pictures import sight
 from plumbline.reports.tables.csv import sheet
-from plumbline.reports.tables.zoo import NOT_RUN, STAGES, inside, outside
+from plumbline.reports.tables.zoo import NOT_RUN, STAGES, inside, outside, waiting
 from plumbline.reports.words.catalogue import engines
 from plumbline.reports.words.status import VERDICTS
 
@@ -33,6 +33,7 @@ def render(store: Store) -> Mapping[str, Rendered]:
         robots=robots,
         thumbs={robot.about.case: sight(store, robot.about.case).thumb for robot in robots if robot.about.case},
         asked=[name for name in engines(store) if any(name in robot.cells for robot in robots)],
+        waiting=waiting(store),
         outside=outside(store),
         stages=STAGES,
         within=WITHIN,

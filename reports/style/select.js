@@ -139,7 +139,8 @@
       const all = !others && [...reasons.values()].every((why) => why === NOTHING);
       return filled(asked === 1 ? "single" : all ? "expresses" : "left", { engine: titled(places[0]), scenes, asked });
     }
-    const [first, ...rest] = places, told = rest.map((place) => `${titled(place)} in ${percent(place.first)}`).join(", ");
+    const [first, ...rest] = places, seen = rest.filter((place) => percent(place.first) !== percent(0));
+    const told = (seen.length ? seen : rest.slice(0, 1)).map((place) => `${titled(place)} in ${percent(place.first)}`).join(", ");
     const values = { engine: titled(first), share: percent(first.first), second: titled(rest[0]), others: told };
     const sentence = filled(first.first > clear ? "first" : "open", values);
     if (counted.length >= few || counted.every((one) => one.own)) return sentence;

@@ -1,4 +1,4 @@
-"""The robots of a zoo on a page: those that go in with a cell for each engine, those that do not with their reason."""
+"""The robots of a zoo on a page: those that were run with a cell for each engine, the others with their reason."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -30,7 +30,7 @@ class ZooCell:
 
 @dataclass(frozen=True, slots=True)
 class Inside:
-    """A robot that goes in. Terms: about: what its engines share. left_out: in words, '' for nothing. cells: by engine."""
+    """A robot that was run. Terms: about: what its engines share. left_out: in words, '' for nothing. cells: by engine."""
 
     about: InZoo
     left_out: str
@@ -44,12 +44,27 @@ class Inside:
 
 
 def inside(store: Store) -> list[Inside]:
-    """The robots that go in, in the order of their names."""
+    """The robots that were run, in the order of their names."""
+    return [
+        Inside(rows[0], kinds(rows[0].dropped), {each.engine: _cell(each) for each in rows})
+        for rows in _by_robot(store)
+        if any(each.verdict for each in rows)
+    ]
+
+
+def waiting(store: Store) -> list[InZoo]:
+    """The robots that go in and of which nothing was run, each with the reason."""
+    groups = (rows for rows in _by_robot(store) if not any(each.verdict for each in rows))
+    return [next(each for each in rows if each.enters) for rows in groups]
+
+
+def _by_robot(store: Store) -> list[list[InZoo]]:
+    """The rows of each robot that goes in."""
     by_robot: dict[str, list[InZoo]] = {}
     for each in in_zoo(store):
-        if each.engine:
+        if each.stage == "in":
             by_robot.setdefault(each.robot, []).append(each)
-    return [Inside(rows[0], kinds(rows[0].dropped), {each.engine: _cell(each) for each in rows}) for rows in by_robot.values()]
+    return [*by_robot.values()]
 
 
 def outside(store: Store) -> list[InZoo]:

@@ -23,7 +23,7 @@ from plumbline.harness.scene import (
     Sun,
     axis_angle,
 )
-from plumbline.harness.scene.camera import Distortion, Renderer
+from plumbline.harness.scene.sensor import Distortion, Renderer
 from plumbline.harness.sensors.rays import first_hits
 from plumbline.harness.trajectory import State
 from tests.conformance.engines import adapter, why_unavailable

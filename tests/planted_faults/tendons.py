@@ -30,6 +30,24 @@ def tendon_without_arms(scene: Scene) -> Scene:
     return _each(scene, alike)
 
 
+@fault("tendon_spring_pulls_by_its_arms", needs=_NEEDS)
+def tendon_without_damper(scene: Scene) -> Scene:
+    """the spring of a tendon has no damper"""
+    return _each(scene, lambda tendon: replace(tendon, spring=tendon.spring and replace(tendon.spring, damping=0.0)))
+
+
+@fault("tendon_spring_pulls_by_its_arms", needs=_NEEDS)
+def tendon_without_rest(scene: Scene) -> Scene:
+    """the spring of a tendon rests at a length of zero"""
+    return _each(scene, lambda tendon: replace(tendon, spring=tendon.spring and replace(tendon.spring, rest=0.0)))
+
+
+@fault("tendon_drive_and_limits_hold", needs=_NEEDS | Feature.DRIVES)
+def tendon_drive_unlimited(scene: Scene) -> Scene:
+    """the drive of a tendon is not cut off at its limit"""
+    return _each(scene, lambda tendon: replace(tendon, drive=tendon.drive and replace(tendon.drive, limit=None)))
+
+
 @fault("tendon_drive_and_limits_hold", needs=_NEEDS | Feature.DRIVES)
 def tendon_without_limits(scene: Scene) -> Scene:
     """the length of a tendon has no bounds"""

@@ -34,12 +34,12 @@ from plumbline.harness.run.cluster.cells import Answered
 from plumbline.harness.run.cluster.workplace import _stored
 from plumbline.harness.run.fork_servers import Origin
 from plumbline.harness.run.fork_servers import start as start_process
-from plumbline.harness.scene.importers.commands import read_log
+from plumbline.harness.scene.importers.replay import read_log
 from plumbline.harness.store import disk, journal
 from plumbline.harness.store.imported_scenes import states_of
-from plumbline.harness.store.journal import StoreError
+from plumbline.harness.store.journal import DamagedFile, StoreError
 from plumbline.harness.store.published import publish, published
-from plumbline.harness.store.seal import Damaged, sealed_json
+from plumbline.harness.store.seal import sealed_json
 from plumbline.harness.store.store import Store
 from tests.conftest import PLUGINS
 from tests.light_servers import light_servers
@@ -250,7 +250,7 @@ STATES: dict[str, dict[str, Any]] = {
 def test_states_of_an_enemy_are_refused_by_name(name: str, tmp_path: Path, ledger: Page) -> None:
     (directory := tmp_path / "scenes" / "abc").mkdir(parents=True)
     (directory / "states.json").write_bytes(sealed_json("states.json", STATES[name]))
-    with pytest.raises(Damaged, match=r"states\.json"):
+    with pytest.raises(DamagedFile, match=r"states\.json"):
         states_of(tmp_path, f"{OWN}scenes/abc/r.toml")
     ledger.survived("new attack: run folder", f"states with {name}", "refused by name")
 

@@ -123,7 +123,7 @@ WRONG: dict[str, tuple[Change, str]] = {
         "holds the trajectory_hash '../../..",
     ),
     "a trial outside": (set_in("accuracy", "trial", "../../x"), "holds the trial '../../x'"),
-    "samples that are numbers": (set_in("accuracy", "samples", [1, 2]), "samples.0: "),
+    "samples that are numbers": (set_in("accuracy", "timing", {"trial": "a", "samples": [1, 2]}), "timing.samples.0: "),
     "a session without a study": (drop_from("session", "study"), "study: Field required"),
     "a session of no trials": (set_in("session", "trials", None), "trials: "),
     "a session whose study is a word": (set_in("session", "study", "quick"), "study: "),
@@ -268,6 +268,20 @@ def test_a_truth_without_its_seal_is_made_again(folder: Path, capsys: pytest.Cap
     assert truth_cache._read(truth) is None
     assert "it has no checksum; it is made again" in capsys.readouterr().err
     ledger.survived("strange stores", "a truth without its seal", "made again, and said")
+
+
+@pytest.mark.parametrize(("place", "table"), [("scenes/abc/fidelity.json", "fidelity"), ("zoo/a.json", "zoo")])
+@pytest.mark.parametrize("content", [b'{"name": "a"}', sealed_json("another.json", {"name": "a"}), b"[" * 100_000])
+def test_what_robots_became_is_named_where_it_is_not_as_it_was_written(
+    content: bytes, place: str, table: str, folder: Path, ledger: Page
+) -> None:
+    path = folder / place
+    path.parent.mkdir(parents=True)
+    path.write_bytes(content)
+    done = called("show", folder, "--table", table)
+    assert (done.exit_code, str(path) in done.stderr) == (3, True), (done.stderr, done.exception)
+    assert path in {problem.path for problem in problems(folder)}
+    ledger.survived("strange stores", f"a damaged table of {table}", "named, tracebacks 0")
 
 
 # What is merged.

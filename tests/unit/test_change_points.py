@@ -11,8 +11,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from plumbline.harness.history.regressions import ENDS, one_drift
-from plumbline.harness.statistics.change_points import change_points, common_mode, levelled
+from plumbline.harness.statistics.change_points import ENDS, change_points, common_mode, levelled, one_drift
 from plumbline.harness.trajectory import Floats
 from tests.synthetic_nights import NIGHTS, History, history
 

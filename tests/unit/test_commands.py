@@ -16,10 +16,10 @@ from plumbline.harness.intake.error import RobotError
 from plumbline.harness.intake.import_wishes import Wishes
 from plumbline.harness.scene import Body, Drive, Effect, Motion, Revolute, Samples, Scene, SceneError, Sinusoid, sampled
 from plumbline.harness.scene.file import dump_json, dump_toml, parse
-from plumbline.harness.scene.importers.commands import load_commands
 from plumbline.harness.scene.importers.companion import Companion, Drives, JointWish
 from plumbline.harness.scene.importers.reading import read
-from plumbline.harness.scene.importers.sweeping import FASTEST, FREQUENCY, SHARE
+from plumbline.harness.scene.importers.replay import load_commands
+from plumbline.harness.scene.importers.scenarios import FASTEST, FREQUENCY, SHARE
 from plumbline.harness.study import plugins
 from plumbline.harness.trajectory import Floats
 from plumbline.harness.trajectory.pace import Pace

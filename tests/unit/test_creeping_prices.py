@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from plumbline.harness.history.slow_drift import lasting, price_changes_of
+from plumbline.harness.history.changes_since import lasting, price_changes_of
 
 ENGINES, CASES, TRACKS = ("a", "b", "c"), ("w", "x", "y", "z"), ("default", "tuned")
 SAMPLES = 5

@@ -17,8 +17,9 @@ from plumbline.harness.case.alteration import EVERYTHING, FINER, Alteration
 from plumbline.harness.case.undropped import called
 from plumbline.harness.cli.minimal_scene import write_minimal
 from plumbline.harness.findings.effects_audit import NOT_JUDGED, audit, idle, savings
+from plumbline.harness.findings.effects_jury import Need, Word, judged
 from plumbline.harness.findings.tables.effects import TABLE, EffectVerdict, sentences, verdicts
-from plumbline.harness.metrics.errors import divergence
+from plumbline.harness.metrics.errors import divergence, position_error_final
 from plumbline.harness.run.campaign import carry_out
 from plumbline.harness.run.verify import problems
 from plumbline.harness.scene import Body, Box, Effect, PlacedShape, Plane, Scene, Sphere, Surface, box_inertia, sphere_inertia
@@ -31,7 +32,7 @@ from plumbline.harness.study import plugins
 from plumbline.harness.study.experiment import Experiment
 from plumbline.harness.study.study import Study
 from plumbline.harness.study.trial import Trial
-from plumbline.harness.trajectory import State
+from plumbline.harness.trajectory import Floats, State, Trajectory
 from plumbline.harness.trial.accuracy import run_trial
 from plumbline.reports.pages.effects import PAGE
 from tests.planted_faults.planting import Wrapped, plant
@@ -75,24 +76,26 @@ def case_of(name: str, scene: Scene, **more: object) -> Case:
     )  # type: ignore[arg-type]
 
 
-Studied = Callable[[Case, Adapter], Store]
+Studied = Callable[..., Store]
 Audited = Callable[[Case], list[EffectVerdict]]
 
 
 @pytest.fixture
 def studied(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Studied:
-    """A study of effects on a case and an engine made here, in this process."""
+    """A study of effects on a case and engines made here, in this process."""
 
-    def of(case: Case, adapter: Adapter) -> Store:
+    def of(case: Case, *adapters: Adapter) -> Store:
+        named = {adapter.name: adapter for adapter in adapters}
+
         def here(trials: Sequence[Trial], folder: Path, workers: int) -> Iterator[Record]:
             for trial in trials:
-                yield run_trial(trial, case, adapter, folder)
+                yield run_trial(trial, case, named[trial.engine], folder)
 
         monkeypatch.setattr("plumbline.harness.run.campaign.run_isolated", here)
         experiment = Experiment(name="effects", tracks=("tuned",), effects=True, timing=False)
         study = Study(name="effects", recordings=False, experiments=(experiment,))
-        folder = tmp_path / f"{called(case.name)}-{adapter.name}"
-        return carry_out(study, folder, {case.name: case}, {adapter.name: adapter}, workers=1, resume=False)
+        folder = tmp_path / "-".join((called(case.name), *named))
+        return carry_out(study, folder, {case.name: case}, named, workers=1, resume=False)
 
     return of
 
@@ -136,15 +139,106 @@ def test_a_planted_gap_fails(audited: Audited) -> None:
     assert "leaves out gyroscopic" in sentence
 
 
-def test_another_engine_stands_in_for_the_judge_and_is_named(audited: Audited) -> None:
+def test_an_engine_that_is_asked_alone_speaks_for_itself_and_gates_nothing(audited: Audited) -> None:
     """What the page, the table and the sentences say comes of the same rows, whoever was asked."""
-    surplus = audited(case_of("slide_made", sliding(widen=Effect.GYROSCOPIC)))
-    elsewhere = [asdict(one) | {"engine": "another"} for one in surplus]
-    told = audit(elsewhere)
-    assert (told.judge, told.scenes, len(told.failed)) == ("another", 1, 1)
-    both = audit([asdict(one) for one in surplus if one.effect != "gyroscopic"] + elsewhere)
-    assert (both.judge, both.failed) == ("reference", ())
-    assert audit([row for row in elsewhere if row["verdict"] == EVERYTHING]).judge == ""
+    surplus = [asdict(one) for one in audited(case_of("slide_made", sliding(widen=Effect.GYROSCOPIC)))]
+    told = audit(surplus)
+    assert (told.judges(), told.scenes, len(told.failed)) == ("Judged by reference alone", 1, 1)
+    assert told.sentences()[0].endswith("by reference alone")
+    assert told.gating.failed == ()
+    assert audit([row for row in surplus if row["verdict"] == EVERYTHING]).judges() == "Judged by nobody"
+
+
+def others(*names: str, scene: Callable[[Scene], Scene] = lambda same: same) -> list[Adapter]:
+    """Engines that are not ours and do what ours does, of a scene that each is told otherwise."""
+    return [
+        replace(plant(plugins.adapter("reference"), scene=scene), name=name, title=name, distribution="elsewhere")
+        for name in names
+    ]
+
+
+def smooth(scene: Scene) -> Scene:
+    """Without friction: whoever is told so finds that friction does not matter, at every step."""
+    return replace(scene, narrow=scene.narrow | Effect.FRICTION)
+
+
+def wrong_reference() -> Adapter:
+    """Ours, which never has friction."""
+    return replace(others("reference", scene=smooth)[0], distribution="plumbline")
+
+
+def of_friction(store: Store) -> dict[str, dict[str, Any]]:
+    """The rows about friction, by engine."""
+    return {row["engine"]: row for row in TABLE.rows(store) if row["effect"] == "friction"}
+
+
+def test_a_reference_that_is_wrong_condemns_nobody_and_shows(studied: Studied) -> None:
+    """Two that agree outvote it, and its own row says so; alone it would have had friction left out."""
+    case = case_of("slide_made", sliding())
+    alone = studied(case, wrong_reference())
+    assert of_friction(alone)["reference"]["verdict"] == "paid for without need"
+    assert audit(TABLE.rows(alone)).gating.failed == ()
+    rows = of_friction(both := studied(case, wrong_reference(), *others("first", "second")))
+    assert {engine: row["verdict"] for engine, row in rows.items()} == dict.fromkeys(rows, "needed and on")
+    assert {(row["judge"], row["against"]) for row in rows.values()} == {("first, second", "reference")}
+    told = audit(TABLE.rows(both))
+    assert told.failed == ()
+    assert told.dissent() == ["slide_made: friction matters by first, second; reference would have it otherwise"]
+    assert f"Audit: {told.dissent()[0]}." in sentences(TABLE.rows(both))
+    assert "reference would have it otherwise" in str(PAGE.render(both)["effects.html"])
+
+
+def test_two_engines_that_agree_against_one_show_and_one_word_against_another_says_nothing(studied: Studied) -> None:
+    """Ours has no vote: with it on its side one engine is not believed against another."""
+    case, odd = case_of("slide_made", sliding()), others("odd", scene=smooth)
+    rows = of_friction(studied(case, plugins.adapter("reference"), *others("first", "second"), *odd))
+    assert {(row["verdict"], row["judge"], row["against"]) for row in rows.values()} == {
+        ("needed and on", "first, second", "odd")
+    }
+    tied = of_friction(both := studied(case, plugins.adapter("reference"), *others("first"), *odd))
+    assert {row["verdict"] for row in tied.values()} == {NOT_JUDGED}
+    assert audit(TABLE.rows(both)).failed == ()
+    (doubt,) = (said for said in audit(TABLE.rows(both)).doubts() if "friction" in said)
+    assert "first says that it matters; odd says that it does not matter" in doubt
+
+
+def test_the_truth_judges_where_a_case_has_one_and_one_engine_that_passes_is_enough(studied: Studied) -> None:
+    """A ball in free flight: g dt t/2 off its closed form. Ours, without gravity, misses the check, and is no witness."""
+
+    def expected(time: Floats, _: object) -> Trajectory:
+        truth = Trajectory.at_rest(flying, time)
+        truth.p_WB[:, 0, 2] -= 4.905 * truth.time**2
+        truth.v_WB[:, 0, 2] -= 9.81 * truth.time
+        return truth
+
+    flying = Scene(bodies=(Body(name="ball", inertia=sphere_inertia(1.0, 0.1)),), widen=Effect.GYROSCOPIC)
+    near = Check(
+        metric=position_error_final, at_most=9.81 * 0.25 / 240, because="g dt t: twice the error of semi-implicit Euler"
+    )
+    case = replace(case_of("fall_made", flying), truth="closed form", expected=expected, checks=(near,))
+    floating = plant(plugins.adapter("reference"), scene=lambda scene: replace(scene, narrow=scene.narrow | Effect.GRAVITY))
+    rows = TABLE.rows(studied(case, floating, *others("first", "second")))
+    gravity = {row["engine"]: row for row in rows if row["effect"] == "gravity"}
+    assert {(row["verdict"], row["judge"]) for row in gravity.values()} == {("needed and on", "the truth")}
+    (spun,) = audit(rows).gating.failed
+    assert (spun["effect"], spun["judge"]) == ("gyroscopic", "the truth")
+    lone = audit(TABLE.rows(studied(case, *others("first"))))
+    assert lone.judges() == "Judged by the truth"
+    assert [row["effect"] for row in lone.gating.failed] == ["gyroscopic"]
+
+
+def test_an_engine_whose_error_hides_an_effect_does_not_deny_it() -> None:
+    """Two coarse engines see nothing of a millimetre that ours and a sharp one see: nothing is said, and nobody is outvoted."""
+
+    def word(moved: float, own: float, says: bool) -> Word:
+        blank = np.zeros(1)
+        return Word(Consequence(moved, own, matters=says), Scale(blank, blank, blank))
+
+    coarse, sharp = word(1e-3, 5e-3, False), word(1e-3, 1e-6, True)
+    assert judged({}, {"a": coarse, "b": coarse, "ours": sharp}, {"ours"}).matters is None
+    assert judged({}, {"a": coarse, "b": coarse, "c": sharp, "d": sharp}, set()).judge == "c, d"
+    blind = word(1e-9, 1e-6, False)
+    assert judged({}, {"a": blind, "b": blind, "ours": sharp}, {"ours"}) == Need(False, "", "a, b", ("ours",))
 
 
 def test_what_a_case_insists_on_is_no_surplus(audited: Audited) -> None:

@@ -9,13 +9,15 @@ from pathlib import Path
 
 import pytest
 
+from plumbline.harness.case import Case
 from plumbline.harness.history import night_policy
 from plumbline.harness.history.answer_store import Pool
 from plumbline.harness.history.budget import bytes_of
-from plumbline.harness.history.folder import created, locked, opened
+from plumbline.harness.history.folder import Night, created, locked, opened
 from plumbline.harness.history.night_policy import AGAIN, NightWish, computed_again
 from plumbline.harness.history.remote_storage import copy_of
 from plumbline.harness.history.retention import COLUMNS, problems_of, prune, pruning, rows
+from plumbline.harness.metrics.errors import position_error_max
 from plumbline.harness.run import campaign
 from plumbline.harness.store.journal import StoreError, read_journal
 from tests.conftest import Command
@@ -194,6 +196,44 @@ def test_old_nights_go_and_answers_that_no_night_names_but_not_the_last_that_saw
     assert len(history.nights()) == 2
     assert len([*Pool(history.pool).answers()]) == CELLS
     assert [*problems_of(history)] == []
+
+
+def stricter(case: Case) -> Case:
+    """Half of every bound, and one more thing that is looked at."""
+    checks = tuple(replace(check, at_most=0.5 * check.bound(case.dt, case.parameters)) for check in case.checks)
+    return replace(case, checks=checks, observe=(*case.observe, replace(position_error_max, name="another")))
+
+
+def judgements(night: Night) -> str:
+    """What was said of each answer, whichever trial simulated it, and when."""
+    store = night.store()
+    trials = store.trials.drop(columns=["simulated_as", "recalled", *(c for c in store.trials if "cpu" in c or "wall" in c)])
+    trials = trials.drop(columns=["realtime_factor"])
+    return trials.to_csv() + store.measurements.to_csv()
+
+
+def test_an_edited_bound_and_metric_are_judged_on_what_is_kept_and_nothing_is_simulated(
+    root: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    drawn(monkeypatch, 0.0)
+    with planted(judges=stricter) as computed:
+        last, _, _ = night(root, asked(LOOK))
+        assert computed == []
+        fresh, _, _ = night(tmp_path / "fresh", asked(LOOK))
+    before = opened(root).nights()[0].store().trials
+    assert set(last.store().trials["simulated_as"]) == set(before["trial"][before["experiment"] == "look"])
+    assert judgements(last) == judgements(fresh)
+    assert "another" in set(last.store().measurements["metric"])
+    assert [*problems_of(opened(root))] == []
+
+
+def test_where_no_motion_was_kept_an_edit_of_what_judges_is_simulated(kept_nothing: Path, tmp_path: Path) -> None:
+    root = Path(shutil.copytree(kept_nothing, tmp_path / "h"))
+    with planted(judges=stricter) as computed:
+        last, _, _ = night(root, asked(LOOK, engines=("mujoco",)))
+    assert computed
+    assert set(computed) == set(last.store().trials["trial"])
+    assert set(last.store().trials["simulated_as"]) == {""}
 
 
 def test_a_damaged_answer_is_named_and_computed_again(root: Path) -> None:

@@ -10,10 +10,9 @@ import trimesh
 from plumbline.harness.conformance.checks.contact.resting import GIVES
 from plumbline.harness.intake.import_wishes import Wishes
 from plumbline.harness.scene import Body, PlacedShape, Sphere, Surface, TriangleMesh, sphere_inertia
-from plumbline.harness.scene.importers.decomposition import pieces_of
+from plumbline.harness.scene.importers.decomposition import in_pieces, pieces_of
 from plumbline.harness.scene.importers.meshes import load_mesh
 from plumbline.harness.scene.importers.reading import read
-from plumbline.harness.scene.importers.scene_pieces import in_pieces
 from plumbline.harness.study import plugins
 from plumbline.harness.trajectory import State
 

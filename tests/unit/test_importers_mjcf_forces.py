@@ -18,9 +18,8 @@ from plumbline.harness.scene import (
     Spring,
     Tendon,
 )
-from plumbline.harness.scene.importers.commands import Log
 from plumbline.harness.scene.importers.companion import Companion, JointWish, Units
-from plumbline.harness.scene.importers.replay import replayed
+from plumbline.harness.scene.importers.replay import Log, replayed
 from tests.robot_files import BALL, imported, joint, mjcf, row
 
 pytest.importorskip("mujoco")

@@ -13,8 +13,8 @@ from plumbline.harness.scene import Camera, DepthCamera, Imu, Lidar, Prismatic, 
 from plumbline.harness.scene.importers.companion import Companion, Ground
 from plumbline.harness.scene.importers.imported import Imported
 from plumbline.harness.scene.importers.reading import read
+from plumbline.harness.scene.parity.canonical import pair_of
 from plumbline.harness.scene.parity.comparison import compare
-from plumbline.harness.scene.parity.stated import pair_of
 from tests.robot_files import row
 from tests.two_formats import URDF
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from plumbline.harness.adapter.joint_reactions import turned_back
+from plumbline.harness.adapter.joints import turned_back
 from plumbline.harness.conformance.room import built
 from plumbline.harness.scene import WORLD, Body, Drive, Limits, Prismatic, Revolute, Scene, axis_angle
 from plumbline.harness.trajectory import Floats, State

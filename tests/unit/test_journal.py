@@ -9,7 +9,8 @@ import pytest
 
 from plumbline.harness.store import disk
 from plumbline.harness.store.journal import Journal, StoreError, read_journal, read_written
-from plumbline.harness.store.record import Measurement, Record, Sample, Timing
+from plumbline.harness.store.record import Measurement, Record, Sample, Timing, plain
+from plumbline.harness.store.stored_tables import BESIDE, COLUMNS, flat
 
 
 def record(name: str) -> Record:
@@ -54,8 +55,17 @@ def test_what_was_written_is_read_back_non_finite_numbers_included(tmp_path: Pat
     found = read_journal(tmp_path / "journal.jsonl")
     assert list(found) == ["a", "b", "c"]
     assert repr(found["a"]) == repr(record("a"))
-    assert found["b"].cpu_per_sim_s == 0.5
-    assert found["b"].samples == TIMING.samples
+    assert found["b"].timing == TIMING
+
+
+def test_each_field_of_a_record_and_of_its_timing_has_a_column_but_those_that_are_left_out_by_name() -> None:
+    of_record, of_timing = ({field.name for field in dataclasses.fields(kind)} for kind in (Record, Timing))
+    wanted = (of_record - {"broke", "measurements", "timing"}) | (of_timing - {"note", "samples"}) | {"timing_note"}
+    assert len(COLUMNS["trials"]) == len({*COLUMNS["trials"]})
+    assert {*COLUMNS["trials"], *BESIDE} == wanted | {"notices"}
+    row = flat(dataclasses.replace(record("b"), timing=dataclasses.replace(TIMING, note="late")))
+    assert {*COLUMNS["trials"], *BESIDE} <= {*row}
+    assert (row["cpu_per_sim_s"], row["timing_note"], row["warnings"]) == (0.5, "late", '["timing: late"]')
 
 
 @pytest.mark.parametrize("apart", [7, pytest.param(1, marks=pytest.mark.slow)])
@@ -66,10 +76,10 @@ def test_a_last_line_cut_at_any_byte_is_dropped_and_the_rest_kept(tmp_path: Path
     for cut in (*range(last, len(whole) - 1, apart), len(whole) - 1):
         path.write_bytes(whole[:cut])
         assert list(read_journal(path)) == ["a", "b", "c"]
-        assert read_journal(path)["b"].cpu_per_sim_s is None
+        assert read_journal(path)["b"].timing is None
         journal = Journal(tmp_path)
         assert journal.dropped == cut - last
-        assert journal.timings == {}
+        assert journal.written.clocked_on("b") is None
         journal.close()
         assert path.read_bytes() == whole[:last]
 
@@ -196,7 +206,7 @@ def test_what_is_withdrawn_can_be_run_again_or_brought_back(tmp_path: Path) -> N
     journal.close()
     written = read_written(tmp_path / "journal.jsonl")
     assert sorted(written.records) == ["a", "b", "c"]
-    assert written.records["b"].cpu_per_sim_s == 0.5
+    assert written.records["b"].timing == TIMING
     assert written.withdrawn == {}
 
 
@@ -205,11 +215,12 @@ def test_a_trial_is_clocked_once_on_a_machine_and_once_more_on_another(tmp_path:
     journal = Journal(tmp_path)
     with pytest.raises(StoreError, match="trial b is already there"):
         journal.append(TIMING)
-    journal.append(dataclasses.replace(TIMING, cpu_per_sim_s=0.25, clocked_on="another"))
+    elsewhere = dataclasses.replace(TIMING, cpu_per_sim_s=0.25, clocked_on="another")
+    journal.append(elsewhere)
     journal.close()
     written = read_written(tmp_path / "journal.jsonl")
-    assert written.records["b"].cpu_per_sim_s == 0.25
-    assert written.clocked == {"b": "another"}
+    assert written.records["b"].timing == elsewhere
+    assert [written.clocked_on(name) for name in "abc"] == [None, "another", None]
 
 
 def test_the_journal_takes_nothing_more_behind_a_piece_that_it_could_not_take_back(
@@ -234,7 +245,7 @@ def test_the_journal_takes_nothing_more_behind_a_piece_that_it_could_not_take_ba
 
 @pytest.mark.parametrize(("schema", "said"), [(1, "which no released version wrote"), (2, "new folder"), (4, "upgrade it")])
 def test_another_schema_is_named_and_refused(tmp_path: Path, schema: int, said: str) -> None:
-    text = json.dumps({"schema": schema, "kind": "accuracy", "content": record("a").plain()}).encode()
+    text = json.dumps({"schema": schema, "kind": "accuracy", "content": plain(record("a"))}).encode()
     (tmp_path / "journal.jsonl").write_bytes(hashlib.sha256(text).hexdigest()[:16].encode() + b" " + text + b"\n")
     with pytest.raises(StoreError, match=f"line 1 has schema {schema}, .*{said}"):
         read_journal(tmp_path / "journal.jsonl")

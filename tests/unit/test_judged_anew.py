@@ -12,7 +12,7 @@ from plumbline.harness.adapter import Adapter
 from plumbline.harness.case import Case
 from plumbline.harness.case.alteration import Alteration
 from plumbline.harness.metrics.errors import position_error_max
-from plumbline.harness.store.record import Record, StoredNotice
+from plumbline.harness.store.record import Record, StoredNotice, from_plain, plain
 from plumbline.harness.study import plugins
 from plumbline.harness.study.experiment import Experiment
 from plumbline.harness.study.trial import Trial
@@ -47,7 +47,7 @@ def put(name: str, engine: str, changes: dict[str, Any], parameters: dict[str, A
 
 
 def through_a_journal(record: Record) -> Record:
-    return Record.from_plain(json.loads(json.dumps(record.plain())))
+    return from_plain(Record, json.loads(json.dumps(plain(record))))
 
 
 @pytest.mark.parametrize("name", RUNS)
@@ -63,7 +63,7 @@ def test_a_kept_answer_gives_the_record_and_the_file_of_a_fresh_run(
     monkeypatch.setattr(accuracy, "answer_of", None)  # nothing is simulated
     anew = judged_anew(trial, case, through_a_journal(fresh), tmp_path)
     assert anew is not None
-    assert json.dumps(anew.plain()) == json.dumps(fresh.plain())
+    assert json.dumps(plain(anew)) == json.dumps(plain(fresh))
     assert file.read_bytes() == content
     assert (fresh.broke is not None) == (fresh.status == "diverged") == (name == "what diverged")
 
@@ -77,7 +77,7 @@ def test_another_bound_and_another_metric_are_judged_as_in_a_fresh_run(tmp_path:
     anew = judged_anew(trial, edited, kept, tmp_path / "kept")
     fresh = run_trial(trial, edited, adapter, tmp_path / "fresh")
     assert anew is not None
-    assert anew.plain() == fresh.plain()
+    assert plain(anew) == plain(fresh)
     assert (kept.status, anew.status) == ("passed", "failed")
     assert "twice" in {measurement.metric for measurement in anew.measurements}
 

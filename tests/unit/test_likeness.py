@@ -7,7 +7,7 @@ import pytest
 
 from plumbline.adapters.reference import ADAPTER
 from plumbline.harness.adapter import Settings
-from plumbline.harness.adapter.promised_bits import BITS, OF_ONE_MACHINE, only_here
+from plumbline.harness.adapter.settings import BITS, OF_ONE_MACHINE, only_here
 from plumbline.harness.findings.changes.answers import Likeness, likeness
 from plumbline.harness.store.record import Measurement, Record
 from plumbline.harness.store.store import Store

@@ -1,6 +1,7 @@
 """Two files of one robot are told to be the same, and each planted difference is named with what it is worth."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,12 +11,10 @@ from click.testing import CliRunner
 from plumbline.harness.cli.main import main
 from plumbline.harness.intake.import_wishes import Wishes
 from plumbline.harness.scene.importers.poses import IDENTITY, Array, screw
+from plumbline.harness.scene.parity.canonical import Canonical, pair_of, stated
 from plumbline.harness.scene.parity.comparison import compare
-from plumbline.harness.scene.parity.consequence import joint_changed
 from plumbline.harness.scene.parity.difference import Difference
-from plumbline.harness.scene.parity.facts import RobotFacts
 from plumbline.harness.scene.parity.motion import Configuration, dynamics, passive
-from plumbline.harness.scene.parity.stated import facts_of, pair_of
 from tests.passive_motion import after
 from tests.robot_files import mjcf
 from tests.two_formats import MJCF, URDF
@@ -114,7 +113,7 @@ def test_a_second_of_a_pendulum_has_its_closed_period(tmp_path: Path) -> None:
         '<inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial></link>'
         '<joint name="j" type="continuous"><parent link="b"/><child link="l"/><axis xyz="0 1 0"/></joint></robot>'
     )
-    robot = facts_of(tmp_path / "p.urdf", Wishes())
+    robot = stated(tmp_path / "p.urdf", Wishes())[0]
     end = after(robot, Configuration(np.array([1e-4]), {}, np.zeros(1)), np.array([0, 0, -9.81]))
     inertia = 0.1 + 2 * 0.5**2
     assert end.q[0] == pytest.approx(1e-4 * np.cos(np.sqrt(2 * 9.81 * 0.5 / inertia)), abs=1e-9)
@@ -128,40 +127,46 @@ def test_a_free_root_keeps_its_energy(tmp_path: Path) -> None:
     for damping in (' damping="0.7"', ' damping="0.3"'):
         text = text.replace(damping, "")
     (tmp_path / "f.urdf").write_text(text)
-    robot, gravity = facts_of(tmp_path / "f.urdf", Wishes(root="floating")), np.array([0.0, 0.0, -9.81])
+    robot, gravity = stated(tmp_path / "f.urdf", Wishes(root="floating"))[0], np.array([0.0, 0.0, -9.81])
     assert robot.joints[0].kind == "free"
     rng = np.random.default_rng(3)
     start = Configuration(np.array([0.0, 0.4, -0.3, 0.01]), {}, rng.uniform(-1, 1, 9))
 
     def energy(at: Configuration) -> float:
         """Kinetic by the mass matrix, and potential by the heights of the centres."""
+        solids = [(link.name, link.solid) for link in robot.moving if link.solid is not None]
         kinetic = at.rates @ dynamics(robot, at, gravity).M @ at.rates / 2
-        return float(kinetic + 9.81 * sum(solid.mass * _centre(robot, at, name)[2] for name, solid in robot.masses.items()))
+        return float(kinetic + 9.81 * sum(solid.mass * _centre(robot, at, name)[2] for name, solid in solids))
 
     end = after(robot, start, gravity)
     assert energy(end) == pytest.approx(energy(start), abs=1e-6)
 
 
-def _centre(robot: RobotFacts, at: Configuration, name: str) -> Array:
+def _centre(robot: Canonical, at: Configuration, name: str) -> Array:
     """Where the centre of what a joint moves is in W, by the product of the displacements above it."""
-    chain, joints, joint = [], {joint.name: (k, joint) for k, joint in enumerate(robot.joints)}, name
-    while joint:
-        chain.append(joints[joint])
-        joint = joints[joint][1].parent
+    chain, links, above = [], {link.name: (k, link) for k, link in enumerate(robot.moving)}, name
+    while above:
+        chain.append(links[above])
+        above = links[above][1].parent or ""
     X = IDENTITY
-    for k, one in chain[::-1]:
+    for k, link in chain[::-1]:
+        one = link.coordinate
         slides = one.kind == "prismatic"
         way = screw(one.axis, one.anchor, 0.0 if slides else float(at.q[k]), float(at.q[k]) if slides else 0.0)
         X = X @ (at.turned.get(k, IDENTITY) if one.kind == "free" else way)
-    return X.of(robot.masses[name].centre)
+    solid = links[name][1].solid
+    assert solid is not None
+    return X.of(solid.centre)
 
 
 def test_the_passive_forces_of_a_rotor_and_a_damper_are_on_their_joint_alone(tmp_path: Path) -> None:
     (tmp_path / "a.urdf").write_text(URDF)
-    robot, gravity = facts_of(tmp_path / "a.urdf", Wishes()), np.zeros(3)
+    robot, gravity = stated(tmp_path / "a.urdf", Wishes())[0], np.zeros(3)
     at = Configuration(np.zeros(3), {}, np.array([0.0, 1.0, 0.0]))
     M, forces = passive(robot, at, gravity)
-    more, other = passive(joint_changed("elbow", armature=0.5, damping=1.3)(robot), at, gravity)
+    elbow = replace(robot.moving[1], coordinates=(replace(robot.joints[1], armature=0.5, damping=1.3),))
+    links = tuple(elbow if link.name == "elbow" else link for link in robot.links)
+    more, other = passive(replace(robot, links=links), at, gravity)
     assert np.flatnonzero(more - M).tolist() == [4]
     assert (more - M)[1, 1] == pytest.approx(0.5)
     assert (other - forces).tolist() == pytest.approx([0.0, 1.0, 0.0])
@@ -204,7 +209,7 @@ def test_the_slides_of_a_planar_joint_may_point_anywhere_in_its_plane_if_they_ar
     }
     for name, text in texts.items():
         (tmp_path / name).write_text(mjcf(text))
-    straight, turned, uneven = (facts_of(tmp_path / name, Wishes()) for name in texts)
+    straight, turned, uneven = (stated(tmp_path / name, Wishes())[0] for name in texts)
     assert compare(straight, turned) == []
     assert {("axis", "x"), ("axis", "y"), ("damping", "x")} <= {
         (row.quantity, row.element) for row in compare(straight, uneven)

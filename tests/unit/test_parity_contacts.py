@@ -9,9 +9,9 @@ from click.testing import CliRunner
 
 from plumbline.harness.cli.main import main
 from plumbline.harness.intake.import_wishes import Wishes
+from plumbline.harness.scene.parity.canonical import pair_of
 from plumbline.harness.scene.parity.comparison import compare, compared
 from plumbline.harness.scene.parity.difference import Difference
-from plumbline.harness.scene.parity.stated import pair_of
 from tests.two_formats import MJCF, URDF
 
 pytestmark = pytest.mark.usefixtures("mjcf_here")

@@ -10,11 +10,11 @@ from click.testing import CliRunner
 from plumbline.harness.cli.main import main
 from plumbline.harness.intake.error import RobotError
 from plumbline.harness.intake.import_wishes import Wishes
-from plumbline.harness.scene.parity.comparison import compare, renamed
+from plumbline.harness.scene.parity.canonical import renamed, stated
+from plumbline.harness.scene.parity.comparison import compare
 from plumbline.harness.scene.parity.difference import Difference
 from plumbline.harness.scene.parity.motion import Configuration
 from plumbline.harness.scene.parity.parting import DT, PARTED, motion_of, parting
-from plumbline.harness.scene.parity.stated import facts_of
 from plumbline.harness.study import plugins
 from tests.planted_robots import MJCF, URDF
 from tests.two_formats import MJCF as ARM
@@ -29,7 +29,7 @@ def differing(folder: Path, name: str, text: str, old: str, new: str) -> list[Di
     a, b = folder / f"a.{name}", folder / f"b.{name}"
     a.write_text(text)
     b.write_text(text.replace(old, new))
-    return compare(facts_of(a, Wishes()), facts_of(b, Wishes()), TOLERANCE)
+    return compare(stated(a, Wishes())[0], stated(b, Wishes())[0], TOLERANCE)
 
 
 @pytest.mark.parametrize(
@@ -64,22 +64,24 @@ def test_the_point_of_a_closed_loop_is_compared_whatever_its_name(tmp_path: Path
     for key, (name, z) in {"a": ("pin", 0), "same": ("bolt", 0), "off": ("pin", 0.02)}.items():
         files[key] = tmp_path / f"{key}.xml"
         files[key].write_text(LOOP.format(name=name, z=z))
-    a, same, off = (facts_of(path, Wishes()) for path in files.values())
+    a, same, off = (stated(path, Wishes())[0] for path in files.values())
     assert compare(a, same, TOLERANCE) == []
     (row,) = compare(a, off, TOLERANCE)
     assert (row.quantity, row.element) == ("point", "closure pin")
     assert row.absolute == pytest.approx(0.02)
     gone = tmp_path / "gone.xml"
     gone.write_text(files["a"].read_text().partition("<equality>")[0] + "</mujoco>")
-    (row,) = compare(a, facts_of(gone, Wishes()), TOLERANCE)
+    (row,) = compare(a, stated(gone, Wishes())[0], TOLERANCE)
     assert (row.quantity, row.value_B) == ("law", "absent")
 
 
 def test_names_of_joints_reach_into_laws(tmp_path: Path) -> None:
     path = tmp_path / "a.urdf"
     path.write_text(URDF)
-    (law,) = renamed(facts_of(path, Wishes()), {"open": "left", "shut": "right"}).laws
-    assert (law.name, law.partners, law.ratio, law.offset) == ("right", ("left",), 0.5, 0.01)
+    robot = renamed(stated(path, Wishes())[0], {"open": "left", "shut": "right"})
+    (tied,) = (joint for joint in robot.joints if joint.tie is not None)
+    assert tied.tie is not None
+    assert (tied.name, tied.tie.joint, tied.tie.ratio, tied.tie.offset) == ("right", "left", 0.5, 0.01)
 
 
 def test_robots_that_are_the_same_do_not_part_and_others_part_at_the_joint_that_differs(tmp_path: Path) -> None:
@@ -87,9 +89,9 @@ def test_robots_that_are_the_same_do_not_part_and_others_part_at_the_joint_that_
     pytest.importorskip("mujoco")
     path = tmp_path / "a.xml"
     path.write_text(ARM)
-    robot = facts_of(path, Wishes())
+    robot = stated(path, Wishes())[0]
     path.write_text(ARM.replace('range="-0.02 0.05"', 'range="-0.02 0.05" damping="4"'))
-    other = facts_of(path, Wishes())
+    other = stated(path, Wishes())[0]
     start = Configuration(np.array([0.3, -0.2, 0.0]), {}, np.zeros(3))
     engine, motion = plugins.adapter("mujoco"), motion_of("sines", robot, start, DOWN, 0.5)
     assert np.abs(motion.torques).max(axis=0).min() > 0
@@ -113,7 +115,7 @@ def test_a_pendulum_that_is_moved_swings_by_its_closed_period(tmp_path: Path) ->
         '<inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial></link>'
         '<joint name="j" type="continuous"><parent link="b"/><child link="l"/><axis xyz="0 1 0"/></joint></robot>'
     )
-    robot = facts_of(path, Wishes())
+    robot = stated(path, Wishes())[0]
     motion = motion_of("drop", robot, Configuration(np.array([1e-3]), {}, np.zeros(1)), DOWN, 1.0)
     end = plugins.adapter("mujoco").move_robot(robot, motion)[-1, 0, 0]
     assert end == pytest.approx(1e-3 * np.cos(np.sqrt(2 * 9.81 * 0.5 / 0.6)), abs=1e-6)
@@ -122,7 +124,7 @@ def test_a_pendulum_that_is_moved_swings_by_its_closed_period(tmp_path: Path) ->
 def test_torques_of_a_file_are_joined_by_lines_and_refused_by_column(tmp_path: Path) -> None:
     path, table = tmp_path / "a.xml", tmp_path / "t.csv"
     path.write_text(ARM)
-    robot = facts_of(path, Wishes())
+    robot = stated(path, Wishes())[0]
     start = Configuration(np.zeros(3), {}, np.zeros(3))
     table.write_text("time,elbow\n0,0\n1,8\n")
     torques = motion_of(str(table), robot, start, DOWN, 1.0).torques

@@ -12,18 +12,17 @@ from plumbline.harness.adapter import Unavailable
 from plumbline.harness.case.commands import acting
 from plumbline.harness.case.forces import Controlled
 from plumbline.harness.cli.main import main
-from plumbline.harness.cli.own_import import scene_to_run
+from plumbline.harness.cli.robot_options import scene_to_run
 from plumbline.harness.findings import tables
 from plumbline.harness.findings.tables.recorded import _answer, _answering, _delayed
 from plumbline.harness.intake.error import RobotError
 from plumbline.harness.run.campaign import carry_out
 from plumbline.harness.scene import Body, Drive, Prismatic, Revolute, Samples, Scene, Sinusoid
 from plumbline.harness.scene.file import dump_toml, load, parse
-from plumbline.harness.scene.importers.commands import load_commands, read_log
 from plumbline.harness.scene.importers.companion import beside, load_companion
 from plumbline.harness.scene.importers.imported import Imported
 from plumbline.harness.scene.importers.reading import read
-from plumbline.harness.scene.importers.replay import Gains, recorded, replayed
+from plumbline.harness.scene.importers.replay import Gains, load_commands, read_log, recorded, replayed
 from plumbline.harness.scene.importers.start_pose import started_at
 from plumbline.harness.store.imported_scenes import keep
 from plumbline.harness.study import plugins

@@ -77,7 +77,7 @@ def test_a_sealed_archive_that_is_packed_is_read_and_one_of_objects_is_not(tmp_p
     buffer = io.BytesIO()
     np.savez(buffer, x=np.array([{}], dtype=object))
     path.write_bytes(sealed_archive("a.npz", buffer.getvalue()))
-    with pytest.raises(Damaged, match="objects"):
+    with pytest.raises(Damaged, match="Object arrays"):
         read_arrays(path)
 
 

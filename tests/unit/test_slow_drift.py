@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from plumbline.harness.history import slow_drift
+from plumbline.harness.history import regressions
 from plumbline.harness.store.journal import DamagedFile
 
 
@@ -20,8 +20,8 @@ def test_the_latest_nights_of_a_season_are_read_from_the_last_one_backwards(monk
             raise DamagedFile(Path("night"), "planted", "none")
         return {}
 
-    monkeypatch.setattr(slow_drift, "said_by", said_by)
+    monkeypatch.setattr(regressions, "said_by", said_by)
     nights: Any = [SimpleNamespace(stamp=stamp, store=lambda: None) for stamp in range(101)]
     anything: Any = None
-    assert slow_drift.over_nights(anything, nights[:100], nights[100], anything, {}, (), 1e9) == ()
-    assert read == [100, *range(99, 99 - slow_drift.MOST, -1)]
+    assert regressions.over_nights(anything, nights[:100], nights[100], anything, {}, (), 1e9) == ()
+    assert read == [100, *range(99, 99 - regressions.MOST, -1)]

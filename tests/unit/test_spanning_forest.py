@@ -3,8 +3,7 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from plumbline.harness.adapter.disjoint_sets import DisjointSets
-from plumbline.harness.adapter.spanning_forest import Branch, spanning_forest
+from plumbline.harness.adapter.spanning_forest import Branch, DisjointSets, spanning_forest
 
 NODES = 8
 EDGES = st.lists(st.tuples(st.integers(0, NODES - 1), st.integers(0, NODES - 1)), max_size=14)

@@ -13,10 +13,9 @@ from plumbline.harness.findings.changes import Change
 from plumbline.harness.history.folder import History
 from plumbline.harness.history.identity import Named
 from plumbline.harness.history.readings import NightOf
-from plumbline.harness.history.regressions import Trends, date, read_trends
+from plumbline.harness.history.regressions import FEWEST, Trends, date, read_trends
 from plumbline.harness.history.retention import problems_of
 from plumbline.harness.history.series import Series, yardsticks
-from plumbline.harness.history.slow_drift import FEWEST
 from plumbline.harness.history.steps import CHANCE_OF_ALL, PriceStep, price_steps
 from plumbline.harness.store import store
 from plumbline.harness.store.journal import Written, read_written
@@ -123,18 +122,24 @@ def test_an_engine_that_steps_by_a_fifth_is_told_as_a_whole_and_makes_no_other_s
     assert told.change.low < 1.2 < told.change.high
 
 
+def dearer(record: Record, times: float) -> Record:
+    """The record with another price."""
+    assert record.timing is not None
+    return replace(record, timing=replace(record.timing, cpu_per_unit=times * (record.timing.cpu_per_unit or 0.0)))
+
+
 def planted(night: int, record: Record) -> Record:
     """A dearer case at night 10, mended at 20; a larger error from night 5 on; a flip at 12 taken back at 15; a new version."""
     cell = record.engine, record.case
-    if cell == ("dart", "friction_stop") and 10 <= night < 20 and record.cpu_per_unit is not None:
-        return replace(record, cpu_per_unit=1.2 * record.cpu_per_unit)
+    if cell == ("dart", "friction_stop") and 10 <= night < 20:
+        return dearer(record, 1.2)
     if cell == ("bullet", "joint_pendulum") and night >= 5:
         larger = (replace(record.measurements[0], value=3e-3),)
         return replace(record, trajectory_hash=digest(["other", record.track]), measurements=larger)
     if (*cell, record.track) == ("mujoco", "flight_projectile", "tuned") and 12 <= night < 15:
         return replace(record, status="failed", reason="too far", trajectory_hash="0123456789abcdef")
-    if record.engine == "reference" and night >= 15 and record.cpu_per_unit is not None:
-        return replace(record, engine_version="2.0", cpu_per_unit=0.8 * record.cpu_per_unit)
+    if record.engine == "reference" and night >= 15:
+        return replace(dearer(record, 0.8), engine_version="2.0")
     return record
 
 

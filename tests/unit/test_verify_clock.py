@@ -1,4 +1,4 @@
-"""What a folder says of its clock: a price of a part of a run is named, and older folders are told apart."""
+"""What a folder says of its clock: a price of a part of a run is named."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -11,7 +11,7 @@ from plumbline.harness.findings.summary import summaries
 from plumbline.harness.run.campaign import carry_out
 from plumbline.harness.store import journal
 from plumbline.harness.store.journal import Journal, read_written
-from plumbline.harness.store.record import Clocked, Timing
+from plumbline.harness.store.record import Clocked
 from plumbline.harness.store.store import Store, write_json
 from plumbline.harness.store.stored_tables import in_order, write_tables
 from plumbline.harness.study import plugins
@@ -43,13 +43,12 @@ def _written_anew(source: Path, out: Path, clocked: Clocked = "whole runs", **ch
     out.mkdir()
     book = Journal(out)
     book.begin(records.sessions[0])
-    names = [name for name in Timing.__dataclass_fields__ if name not in ("note", "samples")]
     for number, record in enumerate(records.records.values()):
-        blank = Timing(trial=record.trial)
-        book.append(replace(record, **{name: getattr(blank, name) for name in (*names[1:], "samples")}))
-        timing = Timing(**{name: getattr(record, name) for name in names}, samples=record.samples)
+        book.append(replace(record, timing=None))
+        timing = record.timing
+        assert timing is not None
         if number == 0:
-            samples = tuple(replace(sample, **changes) for sample in record.samples)
+            samples = tuple(replace(sample, **changes) for sample in timing.samples)
             timing = replace(timing, clocked=clocked, samples=samples)
         book.append(timing)
     book.close()
@@ -103,9 +102,3 @@ def test_a_doctored_store_whose_price_is_of_a_part_of_a_run_exits_with_3(
 def test_no_price_of_a_part_of_a_run_is_stored(run: Path, tmp_path: Path) -> None:
     with pytest.raises(AssertionError, match="clocked over parts of runs"):
         _written_anew(run, tmp_path / "part", steps=37)
-
-
-def test_timings_of_an_older_version_are_a_notice(run: Path, tmp_path: Path) -> None:
-    told = _verified(_written_anew(run, tmp_path / "older", "", run=0))
-    assert told.exit_code == 0
-    assert "1 timings of an older version, which do not say whether they are of whole runs" in told.stderr

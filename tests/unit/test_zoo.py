@@ -12,13 +12,13 @@ from click.testing import CliRunner
 from plumbline.harness.cli.main import main
 from plumbline.harness.cli.zoo_run import carried_out, zoo_robots
 from plumbline.harness.findings import tables
+from plumbline.harness.findings.tables.zoo import NOT_RUN
 from plumbline.harness.intake.error import PlumblineError
 from plumbline.harness.run import zoo_intake
 from plumbline.harness.run.verify import problems
 from plumbline.harness.run.zoo_intake import RobotByRobot, taken_in
 from plumbline.harness.store import zoo_record
-from plumbline.harness.store.journal import FolderTaken
-from plumbline.harness.store.seal import Damaged
+from plumbline.harness.store.journal import DamagedFile, FolderTaken
 from plumbline.harness.store.store import Store
 from plumbline.harness.store.zoo_record import ZooEntry
 from plumbline.harness.study import plugins
@@ -136,7 +136,7 @@ def test_an_entry_that_is_not_as_it_was_written_is_told(folder: Path, taken: dic
     path = tmp_path / "zoo" / "tiny_zoo.pair.json"
     path.rename(other := path.with_name("tiny_zoo.arm.json"))
     assert [where for where, _ in zoo_record.unsound(tmp_path)] == [other]
-    with pytest.raises(Damaged):
+    with pytest.raises(DamagedFile):
         list(zoo_record.entries(tmp_path))
 
 
@@ -188,6 +188,36 @@ def test_the_page_shows_each_robot_with_its_picture_or_its_reason(ran: Store) ->
     assert "no-such-zoo is not installed" in outside
     assert "without mimic" in shown
     assert str(files["zoo.csv"]).startswith("robot,title,package,version,licence,stage,")
+
+
+def test_robots_that_were_not_run_are_listed_apart_with_the_reason_and_counted(ran: Store) -> None:
+    """What a folder says into which all robots were taken, and where the budget ended once the pair was run."""
+    pairs = {*zip(ran.trials["experiment"], ran.trials["case"], strict=True)}
+    (of_pair,) = {row["case"] for row in tables.table("zoo").rows(ran) if row["robot"] == "tiny_zoo.pair"}
+    store = ran.part({(experiment, case) for experiment, case in pairs if case == of_pair})
+    table = tables.table("zoo")
+    rows = list(table.rows(store))
+    assert list(dict.fromkeys(row["robot"].partition(".")[2] for row in rows)) == ["pair", "arm", "dropped", "away", "broken"]
+    waiting = [row for row in rows if row["enters"] and not row["verdict"]]
+    assert {(row["robot"], row["engine"]) for row in waiting} == {
+        (f"tiny_zoo.{name}", engine) for name in ("arm", "dropped") for engine in ENGINES
+    }  # fmt: skip
+    assert {row["reason"] for row in waiting} == {NOT_RUN}
+    assert table.sentences(rows)[:2] == [
+        "3 of 5 robots go in; 1 run on all of dart, mujoco, reference.",
+        "Of those that go in, 2 were not run: the budget ended first, or the run was stopped; --resume goes on.",
+    ]
+    page = str(PAGE.render(store)["zoo.html"])
+    shown, _, rest = page.partition('id="inside"')[2].partition('id="waiting"')
+    apart = rest.partition('id="outside"')[0]
+    assert "A robot, pair.xml" in shown
+    assert "A robot, pair.xml" not in apart
+    for title in ("A robot, arm.urdf", "A robot, dropped.xml"):
+        assert title not in shown
+        assert title in apart
+    assert NOT_RUN in apart
+    assert "were not run: 2" in apart
+    assert 'id="waiting"' not in str(PAGE.render(ran)["zoo.html"])
 
 
 def test_a_run_of_a_zoo_is_verified_with_its_entries(ran: Store) -> None:

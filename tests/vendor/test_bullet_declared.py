@@ -322,3 +322,43 @@ def test_no_parameter_of_a_body_a_joint_or_a_constraint_has_such_a_name(word: st
         with pytest.raises(TypeError):
             call(**{word: 1.0})
     assert not [name for name in dir(pybullet) if name.startswith(("GEOM_", "JOINT_")) and word in name.lower()]
+
+
+@pytest.mark.parametrize(("rate", "holds"), [(240, False), (480, False), (1000, True)])
+def test_a_grippers_tendon_by_torques_of_the_start_of_a_step_diverges_where_steps_are_long(
+    world: World, rate: int, holds: bool
+) -> None:
+    """Two fingers of 0.005 kg m2 and the mean of their angles, driven to 0.4 rad by 100 N m/rad and 10 N m s/rad.
+
+    The mean gives way by s = 2 0.5^2/0.005 = 100 a unit of torque: a damper of the start multiplies its rate by 1 - 10 s h in
+    each step, which grows beyond h = 1/500 s.
+    """
+    world.setPhysicsEngineParameter(fixedTimeStep=1 / rate)
+    fingers = []
+    for x in (0.0, 1.0):
+        finger = world.createMultiBody(
+            basePosition=(x, 0, 0),
+            linkMasses=[0.1],
+            linkCollisionShapeIndices=[-1],
+            linkVisualShapeIndices=[-1],
+            linkPositions=[(0, 0, 0)],
+            linkOrientations=[(0, 0, 0, 1)],
+            linkInertialFramePositions=[(0, 0, 0)],
+            linkInertialFrameOrientations=[(0, 0, 0, 1)],
+            linkParentIndices=[0],
+            linkJointTypes=[pybullet.JOINT_REVOLUTE],
+            linkJointAxis=[(0, 1, 0)],
+        )
+        world.release(finger, MULTIBODY)
+        world.changeDynamics(finger, 0, mass=0.1, localInertiaDiagonal=[0.005] * 3)
+        world.setJointMotorControl2(finger, 0, pybullet.VELOCITY_CONTROL, force=0)
+        fingers.append(finger)
+    for _ in range(rate):
+        states = [world.getJointState(finger, 0) for finger in fingers]
+        mean, change = (sum(state[k] for state in states) / 2 for k in range(2))
+        for finger in fingers:
+            torque = 0.5 * (100.0 * (0.4 - mean) - 10.0 * change)
+            world.setJointMotorControl2(finger, 0, pybullet.TORQUE_CONTROL, force=torque)
+        world.stepSimulation()
+    end = world.getJointState(fingers[0], 0)[0]
+    assert (end == pytest.approx(0.4, abs=1e-3)) if holds else not abs(end) < 1e3

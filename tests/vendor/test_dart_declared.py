@@ -211,3 +211,29 @@ def test_a_mesh_comes_from_a_file_alone_and_a_hull_of_points_is_held_by_bullet_s
         heights[detector] = float(hull.getPositions()[5])
     assert 1e-3 < heights["bullet"] - 0.1 < 5e-3
     assert max(heights[detector] for detector in ("fcl", "ode", "dart")) < 0.09
+
+
+@pytest.mark.parametrize(("rate", "holds"), [(240, False), (480, False), (1000, True)])
+def test_a_grippers_tendon_by_torques_of_the_start_of_a_step_diverges_where_steps_are_long(rate: int, holds: bool) -> None:
+    """Two fingers of 0.005 kg m2 and the mean of their angles, driven to 0.4 rad by 100 N m/rad and 10 N m s/rad.
+
+    The mean gives way by s = 2 0.5^2/0.005 = 100 a unit of torque: a damper of the start multiplies its rate by 1 - 10 s h in
+    each step, which grows beyond h = 1/500 s.
+    """
+    world = dartpy.simulation.World("gripper")
+    world.setGravity((0.0, 0.0, 0.0))
+    world.setTimeStep(1 / rate)
+    fingers = []
+    for name in ("left", "right"):
+        skeleton = dartpy.dynamics.Skeleton(name)
+        joint, node = skeleton.createRevoluteJointAndBodyNodePair()
+        node.setInertia(dartpy.dynamics.Inertia(0.1, np.zeros(3), 0.005 * np.eye(3)))
+        world.addSkeleton(skeleton)
+        fingers.append(joint)
+    for _ in range(rate):
+        mean, change = (sum(told) / 2 for told in zip(*((f.getPosition(0), f.getVelocity(0)) for f in fingers), strict=True))
+        for finger in fingers:
+            finger.setForce(0, 0.5 * (100.0 * (0.4 - mean) - 10.0 * change))
+        world.step()
+    end = fingers[0].getPosition(0)
+    assert (end == pytest.approx(0.4, abs=1e-3)) if holds else not abs(end) < 1e3

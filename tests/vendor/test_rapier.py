@@ -130,8 +130,8 @@ def hinge(pin: tuple[float, float, float], first: str, second: str) -> rapier.Ge
     return build.local_frame1(frames[0]).local_frame2(frames[1]).build()
 
 
-def crank_speed(closed: str) -> float:
-    """The rate [rad/s] of a crank of a parallelogram after ten steps, told 1 rad/s at both cranks. Args: closed: by what."""
+def crank_speed(closed: str, steps: int = 10) -> float:
+    """The rate [rad/s] of a crank of a parallelogram after so many ms, told 1 rad/s at both cranks. Args: closed: by what."""
     here = world(0.0, dt=1e-3)
     ground = [here.add_body(rapier.RigidBody.fixed(), []) for _ in range(2)]
     bars = {name: here.add_body(solid(1.0, (0.1,) * 3, p), []) for name, p in BARS.items()}
@@ -156,7 +156,7 @@ def crank_speed(closed: str) -> float:
         tree = trees.multibody(handle)
         tree.set_damping([0.0] * tree.ndofs)
         tree.set_generalized_velocity(rates)
-    for _ in range(10):
+    for _ in range(steps):
         here.step()
     return float(here.rigid_bodies[bars["left"]].angvel.y)
 
@@ -167,6 +167,14 @@ def test_a_hinge_that_closes_a_loop_of_hinges_stops_multibodies_dead_and_a_ball_
     assert abs(crank_speed("hinge")) < 0.1
     for closed in ("ball", "plane"):
         assert crank_speed(closed) == pytest.approx(1.0, abs=1e-4)
+
+
+def test_a_ball_that_closes_the_loop_brakes_it_within_a_second_and_a_point_of_the_plane_stops_it_where_it_lies_flat() -> None:
+    """Cranks and coupler lie in a line after 1.57 s."""
+    assert crank_speed("ball", 1000) == pytest.approx(0.923, abs=0.02)
+    assert abs(crank_speed("ball", 1700)) < 0.3
+    assert crank_speed("plane", 1400) == pytest.approx(1.0, abs=5e-3)
+    assert abs(crank_speed("plane", 1700)) < 0.05
 
 
 def swung(armature: float | None) -> float:

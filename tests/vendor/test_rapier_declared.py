@@ -53,6 +53,31 @@ def test_limits_of_a_hinge_further_apart_than_a_turn_hold_in_reduced_coordinates
     assert turned_to(*joined(False, hinge, rate=6.0), 720) == pytest.approx(high if holds else 18.0, abs=2e-2)
 
 
+def beyond_the_stop(start: float, gap: float) -> float:
+    """By how much [rad] a rod that falls from `start` off hanging passes a stop at 20 degrees.
+
+    Args: gap: between that stop and the one on the other side, modulo a turn [rad]."""
+    here, stop = world(), math.radians(20.0) - start
+    anchor, p = here.add_body(rapier.RigidBody.fixed(), []), (0.0, 0.5 * math.sin(start), -0.5 * math.cos(start))
+    rod = here.add_body(solid(1.0, (1 / 12,) * 3, p), [])
+    hinge = rapier.GenericJoint.builder(rapier.JointAxesMask.LOCKED_REVOLUTE_AXES)
+    limited = hinge.limits(AXIS.ANG_X, stop, stop + 2 * math.pi - gap)
+    far = rapier.Isometry3(tuple(-x for x in p), STILL)
+    here.impulse_joints.insert(anchor, rod, limited.local_frame2(far).build())
+    lowest = 0.0
+    for _ in range(720):
+        here.step()
+        at = here.rigid_bodies[rod].translation
+        lowest = min(lowest, math.atan2(at.y, -at.z) - start)
+    return stop - lowest
+
+
+def test_a_stop_of_an_impulse_joint_is_lost_where_the_other_is_a_milliradian_less_than_a_turn_away() -> None:
+    starts = [math.radians(degrees) for degrees in range(60, 120, 4)]
+    assert max(beyond_the_stop(start, 1e-3) for start in starts) > 0.1
+    assert max(beyond_the_stop(start, 0.25) for start in starts) < 2e-2
+
+
 @pytest.mark.parametrize("target", [3.0, 4.0, 8.0])
 def test_a_motor_aims_beyond_half_a_turn_in_reduced_coordinates_alone(target: float) -> None:
     hinge = rapier.GenericJoint.builder(rapier.JointAxesMask.LOCKED_REVOLUTE_AXES)

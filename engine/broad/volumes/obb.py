@@ -5,12 +5,12 @@ Source: Gottschalk, Lin, Manocha, OBBTree: A Hierarchical Structure for Rapid In
 Ericson, Real-Time Collision Detection, section 4.4.1.
 """
 
-from plumbline.engine.broad.volumes.sphere import reaches_through
+from plumbline.engine.broad.volumes.sphere import keep_near
 from plumbline.engine.compile.jit import entry, kernel
 from plumbline.engine.maths.rows import Floats, Ints, Mat, Vec, load3, load9
 from plumbline.engine.maths.vec import cross, dot, norm, sub
 from plumbline.engine.memory import arena as at
-from plumbline.engine.memory.carve import floats_of, ints_of
+from plumbline.engine.memory.tables import Shapes
 
 PARALLEL = 1e-6
 """Length of the cross product of two edges [1] below which it is left out: the face normals stand for parallel edges."""
@@ -67,25 +67,22 @@ def boxes_apart(d: Vec, ma: Mat, ha: Vec, mb: Mat, hb: Vec, grow: float) -> bool
     return False
 
 
+@kernel
+def width_along(shapes: Shapes, plane: int, other: int) -> float:
+    """How far [m] the box about a shape reaches against a plane's normal."""
+    normal = axis_of(load9(shapes.pose, plane, 3), 2)
+    return reach_along(load9(shapes.pose, other, 3), half_extents(shapes.shape, shapes.kind, other), normal)
+
+
+@kernel
+def shapes_apart(shapes: Shapes, i: int, j: int, grow: float) -> bool:
+    """Whether the boxes about two shapes are farther apart than `grow` [m]."""
+    hi, hj = half_extents(shapes.shape, shapes.kind, i), half_extents(shapes.shape, shapes.kind, j)
+    d = sub(load3(shapes.pose, j, 0), load3(shapes.pose, i, 0))
+    return boxes_apart(d, load9(shapes.pose, i, 3), hi, load9(shapes.pose, j, 3), hj, grow)
+
+
 @entry
 def drop_apart(floats: Floats, ints: Ints) -> None:
     """Keep the pairs of this step whose oriented boxes, widened as the bounds, overlap."""
-    shape, pose = floats_of(floats, ints, at.SHAPE), floats_of(floats, ints, at.POSE)
-    bounds = floats_of(floats, ints, at.BOUNDS)
-    shape_kind, pair, count, kept = ints_of(ints, at.SHAPE_KIND), ints_of(ints, at.PAIR), ints_of(ints, at.COUNT), 0
-    for p in range(count[0, at.PAIRS]):
-        i, j = pair[p, 0], pair[p, 1]
-        grow, mi, mj = bounds[i, 6] + bounds[j, 6], load9(pose, i, 3), load9(pose, j, 3)
-        if shape_kind[i, at.TYPE] == at.PLANE:
-            reach = reach_along(mj, half_extents(shape, shape_kind, j), axis_of(mi, 2))
-            near = reaches_through(pose, i, j, reach + grow)
-        elif shape_kind[j, at.TYPE] == at.PLANE:
-            reach = reach_along(mi, half_extents(shape, shape_kind, i), axis_of(mj, 2))
-            near = reaches_through(pose, j, i, reach + grow)
-        else:
-            hi, hj = half_extents(shape, shape_kind, i), half_extents(shape, shape_kind, j)
-            near = not boxes_apart(sub(load3(pose, j, 0), load3(pose, i, 0)), mi, hi, mj, hj, grow)
-        if near:
-            pair[kept, 0], pair[kept, 1] = i, j
-            kept += 1
-    count[0, at.PAIRS] = kept
+    keep_near(floats, ints, width_along, shapes_apart)

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
-from plumbline.harness.adapter.promised_bits import only_here
+from plumbline.harness.adapter.settings import only_here
 from plumbline.harness.findings.changes.matching import TrialPair, located
 from plumbline.harness.findings.changes.values import Change, ChangeKind, Sense
 from plumbline.harness.findings.prices import LEAST

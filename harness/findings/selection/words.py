@@ -69,7 +69,8 @@ def who_leads(answer: Answer, titled: Titled) -> str:
     if first.first > CLEAR:
         second = titled(others[0].engine)
         return SENTENCES["first"].format(engine=titled(first.engine), share=percent(first.first), second=second)
-    rest = ", ".join(f"{titled(entry.engine)} in {percent(entry.first)}" for entry in others)
+    seen = [entry for entry in others if percent(entry.first) != percent(0)] or others[:1]
+    rest = ", ".join(f"{titled(entry.engine)} in {percent(entry.first)}" for entry in seen)
     return SENTENCES["open"].format(engine=titled(first.engine), share=percent(first.first), others=rest)
 
 

@@ -12,7 +12,6 @@ from plumbline.harness.findings.columns import Cell, Column, Row, Table, known, 
 from plumbline.harness.findings.cost_point import BlockSample, SampledBlock, ratio_in_blocks, samples_by_block
 from plumbline.harness.findings.effects_audit import (
     AS_IT_IS,
-    JUDGE,
     NOT_JUDGED,
     audit,
     named_scene,
@@ -20,9 +19,10 @@ from plumbline.harness.findings.effects_audit import (
     savings,
     scenes_of,
 )
+from plumbline.harness.findings.effects_jury import ALONE, NOBODY, Effects, Need, Word, needs, own_word
 from plumbline.harness.findings.once import all_once
 from plumbline.harness.findings.parameter_words import differing, in_words
-from plumbline.harness.search.needless_effects import Consequence, Scale, departure, matters, scale_in, weighed
+from plumbline.harness.search.needless_effects import Consequence, departure, matters, scale_in, weighed
 from plumbline.harness.statistics.interval import Interval
 from plumbline.harness.store.store import Store
 
@@ -40,8 +40,10 @@ class EffectVerdict(Cell):
         blocks; None where one of both was not clocked. cpu_as_it_is: CPU seconds of a simulated second of the scene as it is;
         None where that was not clocked. verdict: 'needed and on', 'needed but missing', 'missing without need', 'paid for
         without need', 'insisted on', 'cannot be switched off', 'left out', 'everything on', 'left out together', 'needed
-        together'; NOT_JUDGED where nothing could be compared or who judges has not converged in this scene; or the status of a
-        run that gave no answer. reason: what the engine says to it, or why it is not judged. trial: of the departure.
+        together'; NOT_JUDGED where nothing could be compared or nobody can judge; or the status of a run that gave no answer.
+        judge: who says so (`harness.findings.effects_jury`): the truth, engines that agree, or the row's own 'alone'; ''
+        where nobody does. against: the engines that say the opposite. reason: what the engine says to it, or why it is not
+        judged. trial: of the departure.
     """
 
     effect: str
@@ -54,6 +56,8 @@ class EffectVerdict(Cell):
     cost: Interval | None
     cpu_as_it_is: float | None
     verdict: str
+    judge: str
+    against: str
     reason: str
     trial: str
 
@@ -95,33 +99,11 @@ def _runs(group: pd.DataFrame) -> dict[str, Any]:
     return {row.departure: row for row in group.itertuples()}
 
 
-@dataclass(frozen=True, slots=True)
-class _Need:
-    """Whether an effect matters, None where that is not known, and why it is not."""
-
-    matters: bool | None
-    doubt: str = ""
-
-
-def _need(engine: str, consequence: Consequence | None, scale: Scale | None) -> _Need:
-    if consequence is None or scale is None:
-        return _Need(None)
-    return _Need(consequence.matters, f"{engine}: {doubt}" if (doubt := consequence.doubt(scale)) else "")
-
-
-def _needed(store: Store, scenes: pd.DataFrame) -> dict[str, _Need]:
-    """By effect, whether it matters on the judge's tuned track; empty where the judge was not asked."""
-    runs = _runs(scenes[(scenes["engine"] == JUDGE) & (scenes["track"] == "tuned")])
-    declared = store.described("cases", scenes["case"].iloc[0])["effects"]
-    scale, needs = scale_in(store, runs), {}
-    for run in runs.values():
-        departed = departure(run)
-        effects = departed.single.names
-        consequence = matters(store, runs.get(""), run, scale) if len(effects) == 1 else None
-        consequence = weighed(departed, consequence, runs.get(""), run, declared)
-        if consequence is not None and scale is not None:
-            needs[effects[0]] = _need(JUDGE, consequence, scale)
-    return needs
+def _needed(store: Store, scenes: pd.DataFrame) -> dict[Effects, Need]:
+    """By effects, whether they matter in a scene, where the truth or several engines say so on their tuned tracks."""
+    tuned = scenes[scenes["track"] == "tuned"]
+    sides = {str(engine): _runs(group) for engine, group in tuned.groupby("engine", sort=False)}
+    return needs(store, sides, store.described("cases", scenes["case"].iloc[0])["effects"])
 
 
 def _of_side(
@@ -130,7 +112,7 @@ def _of_side(
     track: str,
     where: str,
     group: pd.DataFrame,
-    needed: Mapping[str, _Need],
+    needed: Mapping[Effects, Need],
     samples: Sampled,
 ) -> Iterator[EffectVerdict]:
     runs = _runs(group)
@@ -150,6 +132,7 @@ def _of_side(
         verdict: str,
         price: Interval | None,
         reason: str = "",
+        need: Need = NOBODY,
     ) -> EffectVerdict:
         effects = () if isinstance(subject, str) else subject
         return EffectVerdict(
@@ -161,6 +144,8 @@ def _of_side(
             cost=price,
             cpu_as_it_is=None if pd.isna(plain.cpu_per_sim_s) else float(plain.cpu_per_sim_s),
             verdict=verdict,
+            judge=need.judge,
+            against=", ".join(need.against),
             reason=reason,
             trial=str(run.trial),
             **known(consequence, "moved", "own", "matters"),
@@ -186,27 +171,31 @@ def _of_side(
             continue
         taken_in = bool(departed.widen)
         price = _price(run, plain, samples) if taken_in else _price(plain, run, samples)
-        own = _need(engine, consequence, scale)
-        if len(effects) > 1:
-            verdict = NOT_JUDGED if own.matters is None else "needed together" if own.matters else "left out together"
-            yield row(effects, run, consequence, verdict, price, own.doubt)
-            continue
-        (effect,) = effects
-        need = needed.get(effect, own)
+        need = needed.get(effects) or _of_itself(engine, own_word(store, runs, run, scale, declared))
+        (effect,) = effects if len(effects) == 1 else ("",)
         if effect in insists and not taken_in and effect not in missing:
             verdict, reason = "insisted on", str(insists[effect])
         elif need.matters is None:
             verdict, reason = NOT_JUDGED, need.doubt
+        elif not effect:
+            verdict, reason = ("needed together" if need.matters else "left out together"), ""
         elif effect in missing:
             verdict, reason = ("needed but missing" if need.matters else "missing without need"), missing[effect]
         elif taken_in:
             verdict, reason = ("needed but missing" if need.matters else "left out"), ""
         else:
             verdict, reason = ("needed and on" if need.matters else "paid for without need"), ""
-        yield row(effects, run, consequence, verdict, price, reason)
+        yield row(effects, run, consequence, verdict, price, reason, need)
     for effect, text in surplus.items():
         if effect not in declared:
             yield row((effect,), plain, None, "cannot be switched off", None, text)
+
+
+def _of_itself(engine: str, word: Word | None) -> Need:
+    """What an engine says where it speaks for itself."""
+    if word is None:
+        return NOBODY
+    return Need(word.consequence.matters, f"{engine}: {word.doubt}" if word.doubt else "", f"{engine} {ALONE}")
 
 
 def _price(cost: Any, base: Any, samples: Sampled) -> Interval | None:
@@ -230,12 +219,12 @@ def sentences(rows: Sequence[Row], *, accusing: bool = True, titles: Mapping[str
     audited = audit(rows)
     if audited.scenes:
         beside = f"; {audited.in_doubt} more are not judged in full" if audited.in_doubt else ""
-        judge = (titles or {}).get(audited.judge, audited.judge)
         call = f"{audited.clean} of {audited.scenes} scenes call for exactly what they need"
         if audited.clean == audited.scenes == 1 and not audited.in_doubt:
             call = "the scene calls for exactly what it needs"
-        lines.append(f"Audit: {call}, judged on {judge}{beside}.")
-    lines += [f"Audit: {sentence}." for sentence in (*(audited.sentences(titles) if accusing else ()), *audited.doubts(titles))]
+        lines.append(f"Audit: {call}{beside}. {audited.judges(titles)}.")
+    told = (*(audited.sentences(titles) if accusing else ()), *audited.dissent(titles), *audited.doubts(titles))
+    lines += [f"Audit: {sentence}." for sentence in told]
     return lines + [proposal for scene in scenes_of(audited.failed) if (proposal := proposed(scene, audited.judged))]
 
 

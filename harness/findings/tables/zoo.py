@@ -1,6 +1,7 @@
 """Which robots of a zoo go in, into which engine, and what becomes of them there: one row a robot and engine.
 
-A robot that does not go in has a row without an engine, with its reason.
+A robot that does not go in has a row without an engine, with its reason. Robots that were run come first, then those that go in
+and were not run, then those that do not go in.
 """
 
 import math
@@ -21,6 +22,8 @@ from plumbline.harness.store.zoo_record import InEngine, Stage, ZooEntry, entrie
 
 RUNS = ("agrees", "converges elsewhere", "converges", "does not converge")
 """Verdicts of what ran to its end."""
+NOT_RUN = "not run: the budget ended first, or the run was stopped"
+"""Why an engine that takes a robot has no verdict on it."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -30,12 +33,12 @@ class InZoo:
     Terms:
         robot, title, package, version, licence: see `harness.store.zoo_record.Entry`. stage: how far the robot came. case: of
         its runs, '' without. bodies, joints. needed: kinds of elements that no scene has words for and that are left out;
-        drops: what this engine would have to have left out beyond that; dropped: all that is left out of what is run; separated
-        by blanks. engine: '' where the robot does not go in. enters: does the engine take it? reason: why not. track, verdict:
-        of what was run, '' where nothing was. away: of its limit from the agreed one, a share of the size; bar: how well its
-        own is known. cost: CPU seconds for a simulated second at an error of a hundredth of the size or less, None where no run
-        comes so near. cause: the setting that sets it apart. omission [m]: how far what was dropped moves any body, by this
-        engine's runs with and without; omission_until [s].
+        drops: what this engine would have to have left out beyond that; dropped: all that is left out of what is run;
+        separated by blanks. engine: '' where the robot does not go in. enters: does the engine take it? reason: why not, or
+        why it was not run. track, verdict: of what was run, '' where nothing was. away: of its limit from the agreed one, a
+        share of the size; bar: how well its own is known. cost: CPU seconds for a simulated second at an error of a hundredth
+        of the size or less, None where no run comes so near. cause: the setting that sets it apart. omission [m]: how far what
+        was dropped moves any body, by this engine's runs with and without; omission_until [s].
     """
 
     robot: str
@@ -73,7 +76,8 @@ def in_zoo(store: Store) -> list[InZoo]:
     for entry in taken_in:
         agreement = judged.get(case_key(entry.scene)) if entry.scene else None
         rows += [_row(store, entry, each, agreement) for each in entry.engines] or [InZoo(**_about(entry), reason=entry.reason)]
-    return rows
+    ran = {row.robot for row in rows if row.verdict}
+    return sorted(rows, key=lambda row: (row.stage != "in", row.robot not in ran))
 
 
 def case_key(name: str) -> str:
@@ -98,7 +102,7 @@ def _row(store: Store, entry: ZooEntry, engine: InEngine, agreement: Agreement |
         return InZoo(**about, reason=f"{engine.verdict}: {engine.reason}")
     side = None if agreement is None else _counted(engine.engine, agreement)
     if agreement is None or side is None:
-        return InZoo(**about, enters=True)
+        return InZoo(**about, enters=True, reason=NOT_RUN)
     lost = next((each for each in omissions(store, agreement) if each.engine == engine.engine), None)
     mine = (side.engine, side.track)
     causes = (each for each in settings_turned(store, agreement) if each.cause and (each.engine, each.track) == mine)
@@ -146,6 +150,8 @@ def _words(rows: Sequence[Row]) -> Iterator[str]:
     ran = {engine: {row["robot"] for row in rows if row["engine"] == engine and row["verdict"] in RUNS} for engine in engines}
     everywhere = len(set.intersection(*ran.values())) if ran else 0
     yield f"{len(inside)} of {len(robots)} robots go in; {everywhere} run on all of {', '.join(engines) or 'no engine'}."
+    if waiting := len(inside - {row["robot"] for row in rows if row["verdict"]}):
+        yield f"Of those that go in, {waiting} {'was' if waiting == 1 else 'were'} {NOT_RUN}; --resume goes on."
     for engine in engines:
         words = [row["verdict"] for row in rows if row["engine"] == engine and row["verdict"]]
         counted = ", ".join(f"{word} {words.count(word)}" for word in dict.fromkeys((*RUNS, *words)) if word in words)
@@ -158,7 +164,7 @@ def _words(rows: Sequence[Row]) -> Iterator[str]:
 
 def _verdict(row: Row) -> str:
     """What became of a robot, in the room that a terminal has."""
-    return row["verdict"] or ("not run" if row["enters"] else f"{row['stage']}: {row['reason'][:90]}")
+    return row["verdict"] or (row["reason"] if row["enters"] else f"{row['stage']}: {row['reason'][:90]}")
 
 
 TABLE = Table(

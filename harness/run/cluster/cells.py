@@ -19,6 +19,7 @@ from plumbline.harness.run.fork_servers import expect
 from plumbline.harness.run.isolated import run_isolated
 from plumbline.harness.run.timing_protocol import clock_group
 from plumbline.harness.store.machine_fingerprint import fingerprint, machine_digest
+from plumbline.harness.store.record import plain
 from plumbline.harness.study import plugins
 from plumbline.harness.study.provenance import sources_of
 from plumbline.harness.study.trial import Trial
@@ -33,7 +34,7 @@ class OtherPlumbline(PlumblineError):
 
 @dataclass(frozen=True, slots=True)
 class Answered:
-    """A finished cell. Terms: record: as `Record.plain`. files: those that it left, by their place in a run folder."""
+    """A finished cell. Terms: record: in plain values. files: those that it left, by their place in a run folder."""
 
     record: Mapping[str, Any]
     files: Mapping[str, bytes]
@@ -41,7 +42,7 @@ class Answered:
 
 @dataclass(frozen=True, slots=True)
 class Timed:
-    """A finished group. Terms: timings: each as `Timing.plain`, with the machine that it was clocked on."""
+    """A finished group. Terms: timings: in plain values, with the machine that it was clocked on."""
 
     timings: tuple[Mapping[str, Any], ...]
 
@@ -109,7 +110,7 @@ def answer_cell(trial: Trial, foreseen: int = 0, modules: Sequence[str] = (), ru
         (folder / "truths").symlink_to(_truths())
     try:
         (record,) = run_isolated([trial], folder, 1, foreseen)
-        return Answered(replace(record, answered_on=machine).plain(), _taken(folder, run))
+        return Answered(plain(replace(record, answered_on=machine)), _taken(folder, run))
     finally:
         shutil.rmtree(folder)
 
@@ -121,7 +122,7 @@ def clock_together(trials: tuple[Trial, ...], seed: int, modules: Sequence[str] 
             _agree(trial)
         expect(modules)
         timings = [replace(t, clocked_on=machine_digest(here())) for t in clock_group(trials, _scratch(), random.Random(seed))]
-        return Timed(tuple(timing.plain() for timing in timings))
+        return Timed(tuple(map(plain, timings)))
 
 
 def _taken(folder: Path, run: str) -> dict[str, bytes]:

@@ -24,7 +24,7 @@ from plumbline.harness.run.interrupt import stop_if_asked
 from plumbline.harness.store import disk
 from plumbline.harness.store.journal import StoreError
 from plumbline.harness.store.machine_fingerprint import machine_digest
-from plumbline.harness.store.record import Record, Timing
+from plumbline.harness.store.record import Record, Timing, from_plain
 from plumbline.harness.store.seal import Damaged, require_seal
 from plumbline.harness.study.trial import Trial
 from plumbline.harness.trial.accuracy import outcome
@@ -217,7 +217,7 @@ class Workplace:
                     if future in under_way and future.status == "finished":
                         with self._reaching(folder):
                             timed: Timed = future.result()
-                        yield from (Timing.from_plain(plain) for plain in timed.timings)
+                        yield from (from_plain(Timing, each) for each in timed.timings)
                         del under_way[future]
                     elif future in under_way and future.status == "error":
                         raise _trouble(future)
@@ -282,14 +282,14 @@ def _stored(answered: Answered, trial: Trial, folder: Path) -> Record:
             raise StoreError(f"a worker answered with a file at {quoted(place)}, expected one of a run folder's own")
         path = folder / place
         try:
-            if path.suffix in (".npz", ".json"):
+            if path.suffix == ".npz":
                 require_seal(path, content)
         except Damaged as error:
             raise StoreError(f"{path}: came damaged from its worker: {error}") from None
         if not path.exists():
             path.parent.mkdir(exist_ok=True)
             disk.write_atomically(path, content)
-    record = Record.from_plain(answered.record)
+    record = from_plain(Record, answered.record)
     if record.trial != trial.trial:
         raise StoreError(f"a worker answered trial {record.trial}, asked for {trial.trial}")
     return record

@@ -11,7 +11,7 @@ from plumbline.harness.intake.error import RobotError
 from plumbline.harness.intake.import_wishes import Root, Start
 from plumbline.harness.intake.typed_fields import FieldError, filled
 from plumbline.harness.scene import Motion, Quaternion, Sensor, Surface, Vector3
-from plumbline.harness.scene.camera import Pixels
+from plumbline.harness.scene.sensor import Pixels
 from plumbline.harness.scene.values import FROZEN, Finite, Name, NonNegative, Positive
 
 ENDING = ".plumb.toml"

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from plumbline.harness.intake.error import listed
 from plumbline.harness.intake.import_wishes import Omissions
 from plumbline.harness.scene.importers.fidelity import Fidelity
 from plumbline.harness.scene.importers.kinematics import Line, mass_matrix
@@ -131,7 +130,7 @@ def consequences(bodies: Sequence[Massive], dropped: Omissions) -> list[Fidelity
 
 def _carried(scalars: Sequence[Coordinate], law: str, element: str) -> list[Fidelity]:
     having = [c.name for c in scalars if getattr(c, law) > 0]
-    return [Fidelity(element=element, name=listed(having), count=len(having), outcome="exact", becomes=law)] if having else []
+    return Fidelity.exact(element, having, law) if having else []
 
 
 def _armature(scalars: Sequence[Coordinate], held: Mapping[str, float]) -> list[Fidelity]:
@@ -139,18 +138,14 @@ def _armature(scalars: Sequence[Coordinate], held: Mapping[str, float]) -> list[
     if not having:
         return []
     worst = max(having, key=lambda c: c.armature / held[c.name])
-    return [
-        Fidelity(
-            element="armature",
-            name=listed([c.name for c in having]),
-            count=len(having),
-            outcome="left_out",
-            consequence=f"joints turn more readily than with their rotors; the inertia about '{worst.name}', the others held, "
-            "should be greater by a factor of",
-            value=1 + worst.armature / held[worst.name],
-            unit="1",
-        )
-    ]
+    return Fidelity.left_out(
+        "armature",
+        [c.name for c in having],
+        f"joints turn more readily than with their rotors; the inertia about '{worst.name}', the others held, "
+        "should be greater by a factor of",
+        value=1 + worst.armature / held[worst.name],
+        unit="1",
+    )
 
 
 def _dry(scalars: Sequence[Coordinate]) -> list[Fidelity]:
@@ -158,17 +153,13 @@ def _dry(scalars: Sequence[Coordinate]) -> list[Fidelity]:
     if not having:
         return []
     most = max(having, key=lambda c: c.friction_loss)
-    return [
-        Fidelity(
-            element="friction loss",
-            name=listed([c.name for c in having]),
-            count=len(having),
-            outcome="left_out",
-            consequence=f"joints move where dry friction would hold or brake them; the largest is that of '{most.name}'",
-            value=most.friction_loss,
-            unit="N m" if most.kind == "revolute" else "N",
-        )
-    ]
+    return Fidelity.left_out(
+        "friction loss",
+        [c.name for c in having],
+        f"joints move where dry friction would hold or brake them; the largest is that of '{most.name}'",
+        value=most.friction_loss,
+        unit="N m" if most.kind == "revolute" else "N",
+    )
 
 
 def _stiff(scalars: Sequence[Coordinate], M: Array, places: Array) -> list[Fidelity]:
@@ -184,19 +175,14 @@ def _stiff(scalars: Sequence[Coordinate], M: Array, places: Array) -> list[Fidel
     if not stiff:
         return []
     worst = max(stiff, key=lambda name: rates[name])
-    return [
-        Fidelity(
-            element="damping",
-            name=listed(stiff),
-            count=len(stiff),
-            outcome="exact",
-            becomes="damping",
-            consequence="an explicit integrator explodes or needs steps below 2 over the rate; the highest is that of "
-            f"'{worst}'",
-            value=rates[worst],
-            unit="1/s",
-        )
-    ]
+    return Fidelity.exact(
+        "damping",
+        stiff,
+        "damping",
+        consequence=f"an explicit integrator explodes or needs steps below 2 over the rate; the highest is that of '{worst}'",
+        value=rates[worst],
+        unit="1/s",
+    )
 
 
 def _added(without: Sequence[Massive], held: Mapping[str, float]) -> tuple[str, float | None]:
@@ -210,32 +196,26 @@ def _added(without: Sequence[Massive], held: Mapping[str, float]) -> tuple[str, 
 
 def _between(bodies: Sequence[Massive], held: Mapping[str, float]) -> list[Fidelity]:
     worst, value = _added([body for body in bodies if not body.between], held)
-    return [
-        Fidelity(
-            element="several joints of a link",
-            name="",
-            count=sum(body.between for body in bodies),
-            outcome="approximated",
-            becomes="a chain of bodies with a hundredth of the link's own mass at most, where the axes meet",
-            consequence=f"a moment of inertia that the robot does not have; about '{worst}', the others held, its share is",
-            value=value,
-            unit="1",
-        )
-    ]
+    return Fidelity.approximated(
+        "several joints of a link",
+        "",
+        "a chain of bodies with a hundredth of the link's own mass at most, where the axes meet",
+        count=sum(body.between for body in bodies),
+        consequence=f"a moment of inertia that the robot does not have; about '{worst}', the others held, its share is",
+        value=value,
+        unit="1",
+    )
 
 
 def _stated(bodies: Sequence[Massive], held: Mapping[str, float]) -> list[Fidelity]:
     stated = [body for body in bodies if body.stated]
     worst, value = _added([body for body in bodies if not body.stated], held)
-    return [
-        Fidelity(
-            element="link without mass",
-            name="",
-            count=len(stated),
-            outcome="approximated",
-            becomes=f"a ball of {stated[0].mass:g} kg, as the companion file states",
-            consequence=f"inertia that the robot does not have; about '{worst}', the others held, its share is",
-            value=value,
-            unit="1",
-        )
-    ]
+    return Fidelity.approximated(
+        "link without mass",
+        "",
+        f"a ball of {stated[0].mass:g} kg, as the companion file states",
+        count=len(stated),
+        consequence=f"inertia that the robot does not have; about '{worst}', the others held, its share is",
+        value=value,
+        unit="1",
+    )

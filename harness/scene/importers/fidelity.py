@@ -7,7 +7,7 @@ from plumbline.harness.intake.error import listed
 
 Outcome = Literal["exact", "approximated", "left_out"]
 """Carried over as it is; as something else, with an error; not at all."""
-Names = tuple[str, ...] | list[str]
+Names = str | tuple[str, ...] | list[str]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -30,23 +30,26 @@ class Fidelity:
     count: int = 1
 
     @classmethod
-    def of(cls, outcome: Outcome, element: str, names: Names, **fields: Any) -> "list[Fidelity]":
-        """The row of all these names, with the other fields; none without names."""
-        return [cls(element=element, name=listed(names), count=len(names), outcome=outcome, **fields)] if names else []
+    def of(cls, outcome: Outcome, element: str, names: Names, becomes: str = "", **fields: Any) -> "list[Fidelity]":
+        """The row of all these names, with the other fields; none for a list without names. Args: names: a text is one name."""
+        if not isinstance(names, str):
+            fields["count"] = len(names)
+        name = names if isinstance(names, str) else listed(names)
+        return [cls(element=element, name=name, outcome=outcome, becomes=becomes, **fields)] if fields.get("count", 1) else []
 
     @classmethod
-    def exact(cls, element: str, names: Names, becomes: str, **fields: Any) -> "list[Fidelity]":
-        """What is carried over as it is, in one row."""
-        return cls.of("exact", element, names, becomes=becomes, **fields)
+    def exact(cls, element: str, names: Names, becomes: str = "", **fields: Any) -> "list[Fidelity]":
+        """What is carried over as it is."""
+        return cls.of("exact", element, names, becomes, **fields)
 
     @classmethod
     def approximated(cls, element: str, names: Names, becomes: str, **fields: Any) -> "list[Fidelity]":
-        """What becomes something else, in one row."""
-        return cls.of("approximated", element, names, becomes=becomes, **fields)
+        """What becomes something else."""
+        return cls.of("approximated", element, names, becomes, **fields)
 
     @classmethod
     def left_out(cls, element: str, names: Names, consequence: str, **fields: Any) -> "list[Fidelity]":
-        """What is not carried over, in one row."""
+        """What is not carried over."""
         return cls.of("left_out", element, names, consequence=consequence, **fields)
 
 

@@ -82,6 +82,8 @@ def _moved(c: Coordinate, here: Pose, twist: Twist, anchor: Array, axis: Array) 
         turned = X if c.kind == "free" else Pose(X.R, c.anchor - X.R @ c.anchor)
         return here @ turned, twist + _rate(c, here @ turned, anchor)
     way = (c.reference if c.position is None else c.position) - c.reference
+    if way == 0 and c.velocity == 0:
+        return here, twist
     if c.kind == "prismatic":
         return here @ screw(c.axis, c.anchor, 0.0, way), Twist(twist.w, twist.v + c.velocity * axis)
     motion = Twist(c.velocity * axis, c.velocity * crossed(anchor, axis))

@@ -60,25 +60,14 @@ def looks_of(links: Iterable[Link], on: Mapping[str, str], at: Mapping[str, Pose
 
 
 def _rows(count: int, meshes: list[str], lost: list[str], off: float) -> Iterable[Fidelity]:
-    if count:
-        yield Fidelity(
-            element="visual",
-            name=listed(meshes) if meshes else "primitives",
-            count=count,
-            outcome="approximated" if meshes else "exact",
-            becomes=f"meshes of at most {FACES} triangles, in pictures" if meshes else "shapes in pictures",
-            consequence="vertices are moved by up to" if meshes else "",
-            value=off if meshes else None,
-            unit="m" if meshes else "",
+    becomes, consequence = f"meshes of at most {FACES} triangles, in pictures", "vertices are moved by up to"
+    if meshes:
+        yield from Fidelity.approximated(
+            "visual", listed(meshes), becomes, consequence=consequence, value=off, unit="m", count=count
         )
-    if lost:
-        yield Fidelity(
-            element="visual",
-            name=listed(lost),
-            count=len(lost),
-            outcome="left_out",
-            consequence="the mesh is not there or cannot be read; nothing but pictures depends on it",
-        )
+    else:
+        yield from Fidelity.exact("visual", "primitives", "shapes in pictures", count=count)
+    yield from Fidelity.left_out("visual", lost, "the mesh is not there or cannot be read; nothing but pictures depends on it")
 
 
 def drawn_bodies(bodies: tuple[Body, ...], looks: Mapping[str, tuple[PlacedShape, ...]]) -> tuple[Body, ...]:

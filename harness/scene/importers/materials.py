@@ -4,7 +4,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from itertools import combinations_with_replacement
 
-from plumbline.harness.intake.error import listed
 from plumbline.harness.scene import Surface
 from plumbline.harness.scene.importers.companion import Companion
 from plumbline.harness.scene.importers.fidelity import Fidelity
@@ -210,22 +209,12 @@ def _rows(robot: Robot, companion: Companion, assumed: list[str], mixed: list[st
             unit="1",
         )
     if robot.dropped.takes("self_collision") and (robot.contacts is not None or companion.self_collision):
-        rows.append(
-            Fidelity(
-                element="self-collision",
-                name="",
-                outcome="left_out",
-                consequence="self collision was dropped by the user: the robot's links pass through each other",
-            )
+        rows += Fidelity.left_out(
+            "self-collision", "", "self collision was dropped by the user: the robot's links pass through each other"
         )
     elif robot.contacts is None and not companion.self_collision and any(link.geometries for link in robot.links):
-        rows.append(
-            Fidelity(
-                element="self-collision",
-                name="",
-                outcome="left_out",
-                consequence="the robot's links pass through each other; self_collision = true lets them touch",
-            )
+        rows += Fidelity.left_out(
+            "self-collision", "", "the robot's links pass through each other; self_collision = true lets them touch"
         )
     return rows
 
@@ -235,16 +224,13 @@ def one_friction(surfaces: tuple[Surface, ...]) -> tuple[tuple[Surface, ...], li
     changed = [law for law in surfaces if law.static_friction > law.kinetic_friction]
     if not changed:
         return surfaces, []
-    row = Fidelity(
-        element="surface",
-        name=listed(["/".join(law.between) for law in changed]),
-        count=len(changed),
-        outcome="approximated",
-        becomes="one friction, the kinetic one",
+    slips = all(law.kinetic_friction for law in changed)
+    rows = Fidelity.approximated(
+        "surface",
+        ["/".join(law.between) for law in changed],
+        "one friction, the kinetic one",
         consequence="what stands slips at a smaller force; static friction over kinetic was up to",
-        value=max(law.static_friction / law.kinetic_friction if law.kinetic_friction else float("inf") for law in changed),
-        unit="1",
+        value=max(law.static_friction / law.kinetic_friction for law in changed) if slips else None,
+        unit="1" if slips else "",
     )
-    if row.value == float("inf"):
-        row = replace(row, value=None, unit="")
-    return tuple(replace(law, static_friction=law.kinetic_friction) for law in surfaces), [row]
+    return tuple(replace(law, static_friction=law.kinetic_friction) for law in surfaces), rows

@@ -1,5 +1,6 @@
 """What fixed joints hold together, as one: groups of links with one mass, one tensor and all their shapes."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -61,10 +62,16 @@ def grouped(robot: Robot) -> dict[str, Group]:
             for kind in ("geometries", "drawn")
         )
         still = not lead_link.coordinates
-        if solids and not still and sum(solid.mass for solid in solids) <= 0:
-            raise RobotError(f"{lead_link.where}: <inertial> has mass 0 and an inertia that is not 0, expected a mass above 0")
         made[name] = Group(lead_link, above[name], still, together(solids) if solids else None, shapes, drawn, poses)
     return made
+
+
+def check_masses(groups: Mapping[str, Group]) -> None:
+    """Refuse a tensor that moves and has no mass. Raises: RobotError."""
+    for group in groups.values():
+        if group.solid is not None and not group.still and group.solid.mass <= 0:
+            where = group.lead.where
+            raise RobotError(f"{where}: <inertial> has mass 0 and an inertia that is not 0, expected a mass above 0")
 
 
 def check_inertia(group: Group, tensor: Array) -> None:
@@ -73,6 +80,8 @@ def check_inertia(group: Group, tensor: Array) -> None:
     Raises: RobotError.
     """
     a, b, c = (float(moment) for moment in np.linalg.eigvalsh((tensor + tensor.T) / 2))
+    if a > 0 and a + b >= c * (1 - 1e-9):
+        return
     several = len(group.members) > 1
     links = f"link{'s' * several} {listed(list(group.members))}{', fixed together, have' if several else ' has'}"
     if not tensor.any() and group.lead.coordinates and {c.kind for c in group.lead.coordinates} <= {"free", "prismatic"}:
@@ -81,8 +90,7 @@ def check_inertia(group: Group, tensor: Array) -> None:
         raise RobotError(
             f"{group.lead.where}: {links} principal moments ({a:.6g}, {b:.6g}, {c:.6g}) kg m2, expected all above 0"
         )
-    if a + b < c * (1 - 1e-9):
-        raise RobotError(
-            f"{group.lead.where}: {links} principal moments ({a:.6g}, {b:.6g}, {c:.6g}) kg m2, of which the largest "
-            "exceeds the sum of the others; no body has such a tensor (triangle inequality)"
-        )
+    raise RobotError(
+        f"{group.lead.where}: {links} principal moments ({a:.6g}, {b:.6g}, {c:.6g}) kg m2, of which the largest "
+        "exceeds the sum of the others; no body has such a tensor (triangle inequality)"
+    )

@@ -16,11 +16,9 @@ from plumbline.harness.intake.near_miss import did_you_mean
 from plumbline.harness.intake.safe_text import quoted, readable
 from plumbline.harness.scene.importers import (
     mjcf_actuators,
-    mjcf_cameras,
     mjcf_contacts,
     mjcf_sensors,
     mjcf_shapes,
-    mjcf_tendons,
 )
 from plumbline.harness.scene.importers.companion import Cameras
 from plumbline.harness.scene.importers.fidelity import Fidelity
@@ -74,12 +72,12 @@ def robot_of(
     )
     closures = _closures(model, names, rows, needs)
     links = _tied(model, links, needs)
-    springs = mjcf_tendons.springs(model, names, rows)
+    springs = mjcf_actuators.springs(model, names, rows)
     closures += springs.values()
-    cords = mjcf_tendons.fixed(model, pulls, rows)
+    cords = mjcf_actuators.fixed(model, pulls, rows)
     needs += _others(model, text, {*springs, *cords})
     sensors, more = mjcf_sensors.read(model, names)
-    seen, looks_on = mjcf_cameras.read(model, names, cameras)
+    seen, looks_on = mjcf_sensors.cameras(model, names, cameras)
     rows += [*more, *looks_on, *_beside(model, text, cords)]
     free = any(c.kind == "free" for link in links for c in link.coordinates)
     gravity = (0.0, 0.0, 0.0) if model.flag("gravity") else tuple(float(g) for g in model.opt_gravity)
@@ -122,22 +120,19 @@ def _start(model: Model, keyframe: str | None, source: str) -> _Start:
 
 def _check(model: Model, source: str) -> None:
     """What MuJoCo's compiler takes and no robot has. Raises: RobotError."""
-    for name, values in model.arrays.items():
-        if values.dtype.kind == "f" and not np.isfinite(values).all():
-            raise RobotError(f"{source}: compiled {name} is not finite, expected finite numbers")
     for k, (low, high) in enumerate(model.jnt_range):
         if model.jnt_limited[k] and low > high:
             joint = quoted(model.name("joint", k), 80)
             raise RobotError(f"{source}: <joint> {joint}: range is {low:g} to {high:g}, expected lower <= upper")
     for array, element in (("jnt_stiffness", "joint"), ("geom_friction", "geom"), ("body_mass", "body")):
-        bad = np.argwhere(model.arrays[array] < 0)
+        bad = np.argwhere(getattr(model, array) < 0)
         if len(bad):
             label = quoted(model.name(element, int(bad[0][0])), 80)
             raise RobotError(f"{source}: <{element}> {label}: {array.partition('_')[2]} is negative, expected 0 or more")
     for array in ("dof_damping", "dof_armature", "dof_frictionloss"):
-        for dof in np.flatnonzero(model.arrays[array] < 0):
+        for dof in np.flatnonzero(getattr(model, array) < 0):
             index = int(np.flatnonzero(model.jnt_dofadr <= dof)[-1])
-            value = float(model.arrays[array][dof])
+            value = float(getattr(model, array)[dof])
             raise RobotError(
                 f"{source}: <joint> {quoted(model.name('joint', index), 80)}: {array.partition('_')[2]} is {value:g}, "
                 "expected 0 or more"
@@ -233,7 +228,7 @@ def _closures(model: Model, names: list[str], rows: list[Fidelity], needs: list[
     for k, raw in enumerate(model.eq_type):
         word, name = model.word("Eq", int(raw)), model.name("equality", k)
         if not model.eq_active0[k]:
-            rows.append(Fidelity(element="equality", name=name, outcome="left_out", consequence="the file starts without it"))
+            rows += Fidelity.left_out("equality", name, "the file starts without it")
             continue
         if word == "joint":
             continue
@@ -303,7 +298,7 @@ def _others(model: Model, text: Prepared, springs: Container[int]) -> list[Need]
     active = [
         model.name("tendon", k)
         for k in range(len(model.tendon_limited))
-        if k not in springs and (mjcf_tendons.pulls(model, k) or model.tendon_limited[k])
+        if k not in springs and (mjcf_actuators.pulls(model, k) or model.tendon_limited[k])
     ]
     if active:
         needs.append(Need(kind="tendon", element="tendon", names=tuple(active)))
@@ -322,21 +317,14 @@ def _others(model: Model, text: Prepared, springs: Container[int]) -> list[Need]
 
 def _beside(model: Model, text: Prepared, cords: Container[int]) -> list[Fidelity]:
     """Rows for what stands beside the motion."""
-    rows = [
-        Fidelity(
-            element=tag, name="", count=count, outcome="left_out", consequence="how it looks; the motion does not depend on it"
-        )
-        for tag, count in text.removed.items()
-    ]
-    if model.nlight:
-        row = Fidelity(
-            element="light", name="", count=int(model.nlight), outcome="left_out", consequence="it shows, and moves nothing"
-        )
-        rows.append(row)
+    rows, why = list[Fidelity](), "how it looks; the motion does not depend on it"
+    for tag, count in text.removed.items():
+        rows += Fidelity.left_out(tag, "", why, count=count)
+    rows += Fidelity.left_out("light", "", "it shows, and moves nothing", count=len(model.names["light"]))
     passive = [
         model.name("tendon", k)
         for k in range(len(model.tendon_limited))
-        if k not in cords and not model.tendon_limited[k] and not mjcf_tendons.pulls(model, k)
+        if k not in cords and not model.tendon_limited[k] and not mjcf_actuators.pulls(model, k)
     ]
     rows += Fidelity.left_out("tendon", passive, "it has no force of its own where it has no spring, damper, friction or limit")
     held = [model.name("body", k) for k in np.flatnonzero(model.body_mocapid >= 0)]
@@ -350,15 +338,11 @@ def _beside(model: Model, text: Prepared, cords: Container[int]) -> list[Fidelit
             consequence="how far a joint gives at its end is each engine's own, not the file's solref and solimp; "
             "margins are left out",
         )
-    rows.append(
-        Fidelity(
-            element="option",
-            name="",
-            outcome="left_out",
-            consequence="time step, integrator and solver are settings of a run and no part of a scene; "
-            "the file's time step is",
-            value=float(model.opt_timestep),
-            unit="s",
-        )
+    rows += Fidelity.left_out(
+        "option",
+        "",
+        "time step, integrator and solver are settings of a run and no part of a scene; the file's time step is",
+        value=float(model.opt_timestep),
+        unit="s",
     )
     return rows

@@ -1,7 +1,10 @@
-"""MJCF's actuators: what pulls at a joint, by a law that is affine in its coordinate and rate, as the joint's drive; others."""
+"""MJCF's actuators and tendons: what pulls at a joint or fixed tendon by a law affine in coordinate and rate, as a drive.
+
+A tendon between two sites that has a spring or damper alone is a spring between two bodies.
+"""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal, TypeAlias
 
@@ -9,9 +12,8 @@ import numpy as np
 
 from plumbline.harness.scene.importers.fidelity import Fidelity
 from plumbline.harness.scene.importers.mjcf_model import Model
-from plumbline.harness.scene.importers.mjcf_tendons import has_more, is_fixed
 from plumbline.harness.scene.importers.poses import Array
-from plumbline.harness.scene.importers.robot import Need, Servo
+from plumbline.harness.scene.importers.robot import Closure, Cord, Need, Servo
 
 Servos: TypeAlias = dict[int, Servo]
 """By the place of a joint or tendon in the compiled model."""
@@ -48,8 +50,7 @@ def read(model: Model, ctrl: Array) -> tuple[Servos, Servos, list[Fidelity], lis
     has no word for."""
     if model.flag("actuation"):
         count = len(model.actuator_trntype)
-        row = Fidelity(element="actuator", name="", count=count, outcome="exact", consequence="the file switches actuators off")
-        return {}, {}, [row] if count else [], []
+        return {}, {}, Fidelity.exact("actuator", "", count=count, consequence="the file switches actuators off"), []
     laws: dict[tuple[_Kind, int], list[tuple[str, _Law]]] = {}
     strange: list[str] = []
     for k in range(len(model.actuator_trntype)):
@@ -64,8 +65,8 @@ def read(model: Model, ctrl: Array) -> tuple[Servos, Servos, list[Fidelity], lis
     for (kind, number), acting in laws.items():
         array = "jnt" if kind == "joint" else "tendon"
         whole: tuple[float, ...] = (-math.inf, math.inf)
-        if model.arrays[f"{array}_actfrclimited"][number]:
-            low, high = model.arrays[f"{array}_actfrcrange"][number]
+        if getattr(model, f"{array}_actfrclimited")[number]:
+            low, high = getattr(model, f"{array}_actfrcrange")[number]
             whole = float(low), float(high)
         servo, names = _servo([law for _, law in acting], whole), [name for name, _ in acting]
         if servo is None or (kind == "tendon" and servo.push):
@@ -171,3 +172,87 @@ def _command(model: Model, k: int, ctrl: Array) -> float:
         low, high = (float(x) for x in np.ravel(model.actuator_ctrlrange[k])[:2])
         command = min(max(command, low), high)
     return command
+
+
+def pulls(model: Model, k: int) -> bool:
+    """Has a tendon a force or an inertia of its own, a limit apart?"""
+    words = ("stiffness", "damping", "frictionloss", "armature")
+    return any(bool(np.any(getattr(model, f"tendon_{word}")[k] != 0)) for word in words)
+
+
+def is_fixed(model: Model, k: int) -> bool:
+    """Is a tendon a linear combination of coordinates?"""
+    first, count = int(model.tendon_adr[k]), int(model.tendon_num[k])
+    return count > 0 and all(model.word("Wrap", int(w)) == "joint" for w in model.wrap_type[first : first + count])
+
+
+def has_more(model: Model, k: int) -> bool:
+    """Has a tendon a law that a scene has no word for?"""
+    low, high = (float(x) for x in model.tendon_lengthspring[k])
+    beside = ("frictionloss", "armature", "stiffnesspoly", "dampingpoly", "springyield")
+    slack = bool(model.tendon_stiffness[k]) and low != high
+    return slack or any(bool(np.any(getattr(model, f"tendon_{word}")[k])) for word in beside)
+
+
+def fixed(model: Model, servos: Mapping[int, Servo], rows: list[Fidelity]) -> dict[int, Cord]:
+    """Fixed tendons with a law that a scene has, by their place. Args: servos: by tendon; rows: are added to."""
+    carried: dict[int, Cord] = {}
+    for k in range(len(model.tendon_limited)):
+        stiffness = 0.0 if model.flag("spring") else float(model.tendon_stiffness[k])
+        damping = 0.0 if model.flag("damper") else float(model.tendon_damping[k])
+        limited = bool(model.tendon_limited[k]) and not model.flag("limit")
+        if not is_fixed(model, k) or has_more(model, k) or not (stiffness or damping or limited or k in servos):
+            continue
+        first, count = int(model.tendon_adr[k]), int(model.tendon_num[k])
+        arms: dict[str, float] = {}
+        for joint, arm in zip(model.wrap_objid[first : first + count], model.wrap_prm[first : first + count], strict=True):
+            name = model.name("joint", int(joint))
+            arms[name] = arms.get(name, 0.0) + float(arm)
+        carried[k] = Cord(
+            name=model.name("tendon", k),
+            arms=tuple((name, arm) for name, arm in arms.items() if arm),
+            lower=float(model.tendon_range[k][0]) if limited else None,
+            upper=float(model.tendon_range[k][1]) if limited else None,
+            stiffness=stiffness,
+            damping=damping,
+            rest=float(model.tendon_lengthspring[k][0]),
+            servo=servos.get(k),
+        )
+    carried = {k: cord for k, cord in carried.items() if cord.arms}
+    rows += Fidelity.exact("tendon", [cord.name for cord in carried.values()], "tendon")
+    return carried
+
+
+def springs(model: Model, links: Sequence[str], rows: list[Fidelity]) -> dict[int, Closure]:
+    """Springs between two links, by the place of their tendon. Args: links: names by body; rows: are added to."""
+    made: dict[int, Closure] = {}
+    for k in range(len(model.tendon_limited)):
+        stiffness = 0.0 if model.flag("spring") else float(model.tendon_stiffness[k])
+        damping = 0.0 if model.flag("damper") else float(model.tendon_damping[k])
+        if _is_line(model, k) and stiffness + damping > 0:
+            first = int(model.tendon_adr[k])
+            a, b = (int(site) for site in model.wrap_objid[first : first + 2])
+            made[k] = Closure(
+                name=model.name("tendon", k),
+                kind="spring",
+                link_A=links[int(model.site_bodyid[a])],
+                link_B=links[int(model.site_bodyid[b])],
+                anchor_A=np.array(model.site_pos[a], dtype=np.float64),
+                anchor_B=np.array(model.site_pos[b], dtype=np.float64),
+                stiffness=stiffness,
+                damping=damping,
+                rest=float(model.tendon_lengthspring[k][0]),
+            )
+    if made:
+        names = [spring.name for spring in made.values()]
+        rows += Fidelity.exact("tendon", names, "springs between points of two bodies")
+    return made
+
+
+def _is_line(model: Model, k: int) -> bool:
+    """Does a tendon run straight from one site to another, with a linear spring and damper and nothing else?"""
+    first, count = int(model.tendon_adr[k]), int(model.tendon_num[k])
+    straight = count == 2 and all(model.word("Wrap", int(w)) == "site" for w in model.wrap_type[first : first + 2])
+    low, high = (float(x) for x in model.tendon_lengthspring[k])
+    beside = ("frictionloss", "armature", "limited", "stiffnesspoly", "dampingpoly", "springyield")
+    return straight and low == high and not any(bool(np.any(getattr(model, f"tendon_{word}")[k])) for word in beside)

@@ -32,8 +32,8 @@ def read(model: Model, names: list[str]) -> tuple[dict[int, str], ContactRules, 
     """The contact key of each geom that can touch, the laws between keys, what is said of contacts. Args: names of bodies."""
     count = len(model.geom_type)
     if model.flag("contact") or model.flag("constraint"):
-        row = Fidelity(element="geom", name="", count=count, outcome="exact", consequence="the file switches contacts off")
-        return {}, ContactRules(), [row] if count else []
+        rows = Fidelity.exact("geom", "", count=count, consequence="the file switches contacts off")
+        return {}, ContactRules(), rows
     paired = {int(k) for k in (*model.pair_geom1, *model.pair_geom2)}
     sorts: dict[int, _Sort] = {}
     for k in range(count):
@@ -106,24 +106,14 @@ def _rows(model: Model, sorts: dict[int, _Sort], count: int) -> list[Fidelity]:
     masked = [model.name("geom", k) for k, sort in sorts.items() if (sort.contype, sort.conaffinity) in choosy]
     rows += Fidelity.exact("contype, conaffinity", masked, "materials, of which some pairs never touch")
     if count > colliding:
-        rows.append(
-            Fidelity(
-                element="geom",
-                name="of no contact",
-                count=count - colliding,
-                outcome="left_out",
-                consequence="it touches nothing by its masks; its mass counts, and if it is no mesh it is drawn",
-            )
+        rows += Fidelity.left_out(
+            "geom",
+            "of no contact",
+            "it touches nothing by its masks; its mass counts, and if it is no mesh it is drawn",
+            count=count - colliding,
         )
     if colliding:
-        rows.append(
-            Fidelity(
-                element="solref, solimp",
-                name="",
-                outcome="left_out",
-                consequence="how soft a contact is and how fast it rebounds is each engine's own",
-            )
-        )
+        rows += Fidelity.left_out("solref, solimp", "", "how soft a contact is and how fast it rebounds is each engine's own")
     away = [model.name("geom", k) for k in np.flatnonzero((model.geom_margin != 0) | (model.geom_gap != 0))]
     if away:
         rows += Fidelity.left_out(

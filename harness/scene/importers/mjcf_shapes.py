@@ -6,12 +6,12 @@ import numpy as np
 
 from plumbline.harness.intake.error import RobotError
 from plumbline.harness.scene import Box, Capsule, ConvexHull, Cylinder, Ellipsoid, Plane, Shape, Sphere
+from plumbline.harness.scene.importers.decomposition import ELEMENT as ELLIPSOIDS
 from plumbline.harness.scene.importers.fidelity import Fidelity
 from plumbline.harness.scene.importers.meshes import coarser, hull_of, simplified
 from plumbline.harness.scene.importers.mjcf_model import Model
 from plumbline.harness.scene.importers.poses import Pose, pose
 from plumbline.harness.scene.importers.robot import Geometry, Look, Need
-from plumbline.harness.scene.importers.rounded import ELEMENT as ELLIPSOIDS
 
 
 def geometries(model: Model, keys: Mapping[int, str], rows: list[Fidelity], needs: list[Need]) -> dict[int, list[Geometry]]:
@@ -39,7 +39,7 @@ def geometries(model: Model, keys: Mapping[int, str], rows: list[Fidelity], need
             exact += 1
         made.setdefault(body, []).append(Geometry(shape, Pose(X.R, X.p), key))
     if exact:
-        rows.append(Fidelity(element="geom", name="primitives", count=exact, outcome="exact", becomes="shapes"))
+        rows += Fidelity.exact("geom", "primitives", "shapes", count=exact)
     rows += Fidelity.exact(
         "geom mesh",
         hulls,

@@ -19,7 +19,7 @@ def mounted(
     Raises:
         RobotError: a link that is none, or a name that stands twice.
     """
-    own = {body.name: pose(body.p_WB, body.q_WB) for body in bodies}
+    own = {body.name: body for body in bodies}
     made: list[Sensor] = []
     for sensor in sensors:
         if sensor.body not in links and sensor.body != WORLD:
@@ -30,7 +30,7 @@ def mounted(
         if any(other.name == sensor.name for other in made):
             raise RobotError(f"{source}: sensor {quoted(sensor.name, 80)} stands twice, expected names, each once")
         body = links.get(sensor.body, WORLD)
-        X_WL, X_WB = at.get(sensor.body, IDENTITY), own.get(body, IDENTITY)
+        X_WL, X_WB = at.get(sensor.body, IDENTITY), pose(own[body].p_WB, own[body].q_WB) if body in own else IDENTITY
         X_BS = X_WB.inverse() @ X_WL @ pose(sensor.p_BS, sensor.q_BS)
         made.append(replace(sensor, body=body, p_BS=vector(X_BS.p), q_BS=quaternion(X_BS.R)))
     return tuple(made)

@@ -11,10 +11,10 @@ from plumbline.harness.intake.safe_text import quoted
 from plumbline.harness.scene import Prismatic, Revolute, Samples, Scene
 from plumbline.harness.scene.file import load
 from plumbline.harness.scene.importers.companion import Companion
+from plumbline.harness.scene.importers.decomposition import in_pieces
 from plumbline.harness.scene.importers.fidelity import Fidelity
 from plumbline.harness.scene.importers.imported import Imported
 from plumbline.harness.scene.importers.materials import one_friction
-from plumbline.harness.scene.importers.scene_pieces import in_pieces
 from plumbline.harness.scene.importers.settling import NONE
 
 _OF_A_RUN = ("duration", "dt", "look_at", "seed", "one_friction", "convex", "commands")

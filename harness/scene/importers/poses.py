@@ -1,13 +1,21 @@
 """Rigid poses as a matrix and a vector: a frame B in a frame A by R_AB, shape (3, 3), and p_AB [m], shape (3,)."""
 
+import math
 from dataclasses import dataclass
+from typing import Annotated, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
+from pydantic import PlainSerializer, PlainValidator
 
 from plumbline.harness.scene.values import Quaternion, Vector3
 
-Array = npt.NDArray[np.float64]
+Array: TypeAlias = Annotated[
+    npt.NDArray[np.float64],
+    PlainValidator(lambda rows: np.array(rows, dtype=np.float64)),
+    PlainSerializer(lambda array: array.tolist()),
+]
+"""Numbers, as JSON lists of lists between processes."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -36,7 +44,9 @@ IDENTITY = Pose(np.eye(3), np.zeros(3))
 
 def matrix(q: "Quaternion | Array") -> Array:
     """The rotation of a quaternion (w, x, y, z), normalised first; (3, 3)."""
-    w, x, y, z = np.asarray(q, dtype=np.float64) / np.linalg.norm(q)
+    w, x, y, z = map(float, q)
+    norm = math.sqrt(w * w + x * x + y * y + z * z)
+    w, x, y, z = w / norm, x / norm, y / norm, z / norm
     return np.array(
         [
             [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
@@ -56,21 +66,21 @@ def quaternion(R: Array) -> Quaternion:
 
     Source: Shepperd, Quaternion from Rotation Matrix, J. Guidance and Control 1 (1978) 223: the largest component divides.
     """
-    t = float(np.trace(R))
-    squares = np.array([t, R[0, 0], R[1, 1], R[2, 2]])
-    k = int(np.argmax(squares))
+    r = R.tolist()  # numbers of Python: sums of a few of NumPy's take many times as long
+    t = r[0][0] + r[1][1] + r[2][2]
+    squares = (t, r[0][0], r[1][1], r[2][2])
+    k = squares.index(max(squares))
     if k == 0:
-        q = np.array([1 + t, R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]])
+        q = [1 + t, r[2][1] - r[1][2], r[0][2] - r[2][0], r[1][0] - r[0][1]]
     else:
         i = k - 1
         j, m = (i + 1) % 3, (i + 2) % 3
-        q = np.empty(4)
-        q[0] = R[m, j] - R[j, m]
-        q[1 + i] = 1 + 2 * R[i, i] - t
-        q[1 + j] = R[j, i] + R[i, j]
-        q[1 + m] = R[m, i] + R[i, m]
-    q *= (-1.0 if q[0] < 0 else 1.0) / np.linalg.norm(q)
-    return (float(q[0]), float(q[1]), float(q[2]), float(q[3]))
+        q = [r[m][j] - r[j][m], 0.0, 0.0, 0.0]
+        q[1 + i] = 1 + 2 * r[i][i] - t
+        q[1 + j] = r[j][i] + r[i][j]
+        q[1 + m] = r[m][i] + r[i][m]
+    s = (-1.0 if q[0] < 0 else 1.0) / math.sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
+    return (q[0] * s, q[1] * s, q[2] * s, q[3] * s)
 
 
 def vector(v: Array) -> Vector3:

@@ -14,9 +14,9 @@ from plumbline.harness.intake.import_wishes import Drop, Omissions, Wishes
 from plumbline.harness.intake.safe_text import quoted, readable
 from plumbline.harness.scene import EARTH_GRAVITY, WORLD, Camera, DepthCamera, PlacedShape, Samples, Scene, Surface
 from plumbline.harness.scene.importers import own, scenarios
-from plumbline.harness.scene.importers.commands import load_commands
 from plumbline.harness.scene.importers.companion import Base, Companion, beside, load_companion
 from plumbline.harness.scene.importers.consequences import consequences
+from plumbline.harness.scene.importers.decomposition import as_polyhedra
 from plumbline.harness.scene.importers.fidelity import Fidelity
 from plumbline.harness.scene.importers.files import Folders, packages_above
 from plumbline.harness.scene.importers.imported import Imported
@@ -26,13 +26,13 @@ from plumbline.harness.scene.importers.kinematics import Posed, Twist, posed
 from plumbline.harness.scene.importers.known import OWN_ENDINGS, importer_of, robot_endings
 from plumbline.harness.scene.importers.looks import coloured, drawn_bodies, looks_of
 from plumbline.harness.scene.importers.materials import Laws, laws_of, one_friction
-from plumbline.harness.scene.importers.merging import Group, grouped
+from plumbline.harness.scene.importers.merging import Group, check_masses, grouped
 from plumbline.harness.scene.importers.mounting import mounted
 from plumbline.harness.scene.importers.poses import IDENTITY, Array, Pose, pose, turn
+from plumbline.harness.scene.importers.replay import load_commands
 from plumbline.harness.scene.importers.robot import Robot
-from plumbline.harness.scene.importers.rounded import as_polyhedra
+from plumbline.harness.scene.importers.scenarios import poses_of, swept
 from plumbline.harness.scene.importers.settling import NONE, followed, rooted, settled, undropped, wordless_kinds
-from plumbline.harness.scene.importers.sweeping import poses_of, swept
 from plumbline.harness.scene.importers.ties import tied, untied
 from plumbline.harness.scene.importers.units import scaled, suspected
 
@@ -140,40 +140,31 @@ def imported(robot: Robot, companion: Companion, wishes: Wishes, commands: Mappi
     whole, unknown = _undropped(robot, companion, wishes, commands)
     if companion.ellipsoids == "polyhedra":
         robot = as_polyhedra(robot)
-    rows = [*robot.rows, *unknown, *suspected(robot, companion.units)]
+    robot = robot.told(unknown, suspected(robot, companion.units))
     if dropped.takes("tendon"):
-        rows += Fidelity.left_out("tendon", [cord.name for cord in robot.tendons], "tendon was dropped by the user")
-        robot = replace(robot, tendons=())
+        slack = Fidelity.left_out("tendon", [cord.name for cord in robot.tendons], "tendon was dropped by the user")
+        robot = replace(robot, tendons=()).told(slack)
     if companion.units is not None:
         robot = scaled(robot, companion.units)
     if companion.base is not None and robot.gravity is not None:
         raise RobotError(f"{robot.source}: base is for files that do not say where their root is; this one does")
     companion, wishes = scenarios.rooted_for(wishes.scenario, robot, companion, wishes)
-    robot, more = rooted(robot, companion, wishes)
-    robot = replace(robot, dropped=dropped)
-    rows += [*more, *undropped(robot)]
-    robot, more = untied(robot)
-    rows += more
+    robot = undropped(replace(rooted(robot, companion, wishes), dropped=dropped))
     start = wishes.start or companion.start or ("inside" if wishes.scenario else "zero")
-    robot, more = settled(robot, replace(companion, start=start), commands)
-    rows += more
+    robot = settled(untied(robot), replace(companion, start=start), commands)
     if wishes.scenario in ("drop", "swing"):
         robot = scenarios.unpowered(robot)
     if wishes.scenario == "swing":
         robot = scenarios.swung(robot)
-    robot, more = tied(robot)
-    rows += more
+    robot = tied(robot)
     if wishes.scenario == "drop":
         companion = scenarios.grounded(companion)
     if wishes.scenario in ("hold", "sweep"):
-        idle = scenarios.unpowered(robot)
-        poses = [
-            _made(variant, companion).tree.massive for variant in ([idle] if wishes.scenario == "hold" else poses_of(idle))
-        ]
-        robot, more = (scenarios.held_by_drives if wishes.scenario == "hold" else swept)(robot, poses)
-        rows += more
+        idle, holds = scenarios.unpowered(robot), wishes.scenario == "hold"
+        poses = [_made(variant, companion).tree.massive for variant in ([idle] if holds else poses_of(idle))]
+        robot = (scenarios.held_by_drives if holds else swept)(robot, poses)
     made = _made(followed(robot), companion)
-    rows += [*_counted(robot, made), *made.laws.rows, *consequences(made.tree.massive, dropped)]
+    rows = [*robot.rows, *_counted(robot, made), *made.laws.rows, *consequences(made.tree.massive, dropped)]
     surfaces = made.laws.surfaces
     if wishes.one_friction:
         surfaces, more = one_friction(surfaces)
@@ -193,8 +184,7 @@ def imported(robot: Robot, companion: Companion, wishes: Wishes, commands: Mappi
         fidelity=tuple(rows),
         coordinates={
             c.name: c.reference if c.position is None else c.position
-            for link in robot.links
-            for c in link.coordinates
+            for c in robot.coordinates()
             if c.kind in ("revolute", "prismatic")
         },
         links=links,
@@ -226,7 +216,7 @@ def _undropped(
     except RobotError as error:
         kinds = listed(sorted(back))
         why = f"what that changes is not measured, since it cannot be read with them: {error}"
-        return None, [Fidelity(element="drop", name=kinds, outcome="left_out", consequence=why)]
+        return None, Fidelity.left_out("drop", kinds, why)
 
 
 class _Made:
@@ -244,6 +234,7 @@ class _Made:
 def _made(robot: Robot, companion: Companion) -> _Made:
     base, twist = _base(companion.base)
     groups, at = grouped(robot), posed(robot, base, twist)
+    check_masses(groups)
     laws = laws_of(robot, groups, companion)
     return _Made(groups, at, laws, tree_of(robot, groups, at, laws, companion))
 
@@ -304,7 +295,7 @@ def _counted(robot: Robot, made: _Made) -> list[Fidelity]:
     """What is carried over as it is: links, joints, and what was merged."""
     links = [link.name for link in robot.links]
     merged = [name for group in made.groups.values() for name in list(group.members)[1:]]
-    joints = [c.name for link in robot.links for c in link.coordinates if c.kind != "free"]
+    joints = [c.name for c in robot.coordinates() if c.kind != "free"]
     rows = []
     if len(links) > len(merged):
         alone = [name for name in links if name not in set(merged) and (name != WORLD or made.groups[name].geometries)]

@@ -8,9 +8,11 @@ after the other, each about an axis that the ones before it have moved:
 A link without coordinates is fixed to its parent.
 """
 
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field, replace
+from itertools import chain
 from pathlib import Path
-from typing import Literal
+from typing import Literal, Self
 from zlib import crc32
 
 import numpy as np
@@ -80,7 +82,8 @@ class Servo:
 class Tie:
     """Whom a coordinate follows: x = ratio y + offset, y being the coordinate `joint`.
 
-    Terms: kinds: any of which, dropped by the user, sets it free. soft: the file says how softly it holds.
+    Terms: joint: '' where a loader does not tell. kinds: any of which, dropped by the user, sets it free. soft: the file says
+    how softly it holds.
     """
 
     joint: str
@@ -146,6 +149,12 @@ class Link:
     drawn: tuple[Geometry, ...] = ()
     looks: tuple[Look, ...] = ()
     where: str = ""
+
+    @property
+    def coordinate(self) -> Coordinate:
+        """The one coordinate of a link that has one."""
+        (coordinate,) = self.coordinates
+        return coordinate
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -247,6 +256,19 @@ class Robot:
     speed_limits: bool = False
     wordless: frozenset[str] = frozenset()
     source: str = ""
+
+    def told(self, *rows: list[Fidelity]) -> Self:
+        """The robot with more rows."""
+        return replace(self, rows=(*self.rows, *chain(*rows)))
+
+    def coordinates(self) -> Iterator[Coordinate]:
+        """Those of all links."""
+        return (c for link in self.links for c in link.coordinates)
+
+    def each(self, change: Callable[[Coordinate], Coordinate]) -> Self:
+        """The robot with each coordinate changed."""
+        links = (replace(link, coordinates=tuple(map(change, link.coordinates))) for link in self.links)
+        return replace(self, links=tuple(links))
 
 
 def symmetric(tensor: Array) -> Matrix3:

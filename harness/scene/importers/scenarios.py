@@ -1,7 +1,7 @@
 """Scenarios for any robot: what happens to it where nothing but its file is given."""
 
 import math
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -21,6 +21,7 @@ from plumbline.harness.scene.importers.companion import Companion, Ground
 from plumbline.harness.scene.importers.consequences import Massive, inertias
 from plumbline.harness.scene.importers.fidelity import Fidelity
 from plumbline.harness.scene.importers.robot import Coordinate, Robot, Servo
+from plumbline.harness.scene.motion import Sinusoid
 from plumbline.harness.scene.rotation import multiply, rotate, rotation_matrix
 from plumbline.harness.scene.support import support
 
@@ -51,12 +52,7 @@ def rooted_for(scenario: Scenario | None, robot: Robot, companion: Companion, wi
 def unpowered(robot: Robot) -> Robot:
     """Without drives."""
     slack = tuple(replace(cord, servo=None) for cord in robot.tendons)
-    return replace(_each(robot, lambda c: replace(c, servo=None)), tendons=slack)
-
-
-def _each(robot: Robot, change: Callable[[Coordinate], Coordinate]) -> Robot:
-    links = tuple(replace(link, coordinates=tuple(change(c) for c in link.coordinates)) for link in robot.links)
-    return replace(robot, links=links)
+    return replace(robot.each(lambda c: replace(c, servo=None)), tendons=slack)
 
 
 def swung(robot: Robot) -> Robot:
@@ -72,12 +68,10 @@ def swung(robot: Robot) -> Robot:
         moved = here + min(way, 0.5 * up) if up >= down else here - min(way, 0.5 * down)
         return replace(c, position=moved, servo=None)
 
-    return _each(robot, off)
+    return robot.each(off)
 
 
-def held_by_drives(
-    robot: Robot, poses: Sequence[Sequence[Massive]], names: Collection[str] | None = None
-) -> tuple[Robot, list[Fidelity]]:
+def held_by_drives(robot: Robot, poses: Sequence[Sequence[Massive]], names: Collection[str] | None = None) -> Robot:
     """Each joint without a drive gets one that holds it where it starts.
 
     Args: poses: that it is strong enough for. names: of these joints alone; of all if None.
@@ -104,19 +98,11 @@ def held_by_drives(
         gain, damping = own[c.name] * HOLD_RATE**2, 2 * own[c.name] * HOLD_RATE
         return replace(c, servo=replace(stated, stiffness=gain, damping=damping))
 
-    made = _each(robot, hold)
-    row = Fidelity(
-        element="drive",
-        name="",
-        count=len(given),
-        outcome="approximated",
-        becomes="a critically damped drive that holds the start",
-        consequence="the file gives no gains; natural frequency of each with the other joints held"
-        f"{', where its inertia is greatest' if len(poses) > 1 else ''}",
-        value=HOLD_RATE / (2 * math.pi),
-        unit="Hz",
-    )
-    return made, [row] if given else []
+    made, becomes = robot.each(hold), "a critically damped drive that holds the start"
+    words = "the file gives no gains; natural frequency of each with the other joints held"
+    words += ", where its inertia is greatest" if len(poses) > 1 else ""
+    rate = HOLD_RATE / (2 * math.pi)
+    return made.told(Fidelity.approximated("drive", "", becomes, consequence=words, value=rate, unit="Hz", count=len(given)))
 
 
 def grounded(companion: Companion) -> Companion:
@@ -149,3 +135,80 @@ def _lowest(body: Body, placed: PlacedShape) -> float:
     q = multiply(body.q_WB, placed.q_BS)
     z = body.p_WB[2] + rotate(body.q_WB, placed.p_BS)[2]
     return float(z - support(placed.shape, -np.array(rotation_matrix(q))[2]))
+
+
+FREQUENCY = 0.5
+"""Of the sinusoid [Hz]: through the range and back in two seconds, where that is not too fast."""
+FASTEST = 2.0
+"""Greatest speed of a target [rad/s], a slide's a tenth of that [m/s]: what arms do whose makers say so."""
+INSTANTS = 4
+"""Poses on the way for which drives are made strong enough, beside the start."""
+SHARE = 0.8
+"""Of half the range: the stops are not what is asked about, and a drive overshoots."""
+OPEN = 1.0
+"""Half the range of a joint that has no end on a side [rad]; a slide's is a tenth of that [m]."""
+
+
+def poses_of(robot: Robot) -> list[Robot]:
+    """The robot at the start and at instants of its sweep; at the start alone where loops are closed."""
+    made = [robot]
+    for k in range(0 if robot.closures else INSTANTS):
+        share = math.sin(math.pi * (k + 0.5) / INSTANTS) * (-1.0) ** k
+
+        def there(c: Coordinate, share: float = share) -> Coordinate:
+            middle, reach = _reach(c)
+            return replace(c, position=middle + share * reach) if c.kind in ("revolute", "prismatic") else c
+
+        made.append(robot.each(there))
+    return made
+
+
+def swept(robot: Robot, poses: Sequence[Sequence[Massive]]) -> Robot:
+    """The robot with a drive on each joint, whose target goes through the range, and what is to be said of that.
+
+    Where the companion moves a target that motion stays. In a machine with closed loops joints do not move freely of each
+    other: there those with a drive of their own are swept or, where none has one, the first.
+    """
+    moving = [c for c in robot.coordinates() if c.kind in ("revolute", "prismatic")]
+    if robot.closures:
+        moving = [c for c in moving if c.servo is not None] or moving[:1]
+    names = {c.name for c in moving}
+    driven = held_by_drives(robot, poses, names if robot.closures else None)
+    frequencies = {c.name: _frequency(c, _reach(c)[1]) for c in moving}
+    slow = Fidelity.exact(
+        "sweep",
+        [name for name, frequency in frequencies.items() if frequency < FREQUENCY],
+        "a slower sinusoid",
+        consequence=f"no faster than the joint may be, nor than {FASTEST:g} rad/s or {FASTEST / 10:g} m/s; the slowest "
+        "goes there and back at",
+        value=min(frequencies.values(), default=FREQUENCY),
+        unit="Hz",
+    )
+    return driven.each(lambda c: _swept(c) if c.name in names else c).told(slow)
+
+
+def _swept(c: Coordinate) -> Coordinate:
+    if c.servo is None or c.servo.motion is not None:
+        return c
+    middle, reach = _reach(c)
+    here = c.reference if c.position is None else c.position
+    phase = math.asin(min(max((here - middle) / reach, -1.0), 1.0)) if reach > 0 else 0.0
+    motion = Sinusoid(amplitude=reach, frequency=_frequency(c, reach), phase=phase)
+    return replace(c, servo=replace(c.servo, target=middle, motion=motion))
+
+
+def _reach(c: Coordinate) -> tuple[float, float]:
+    """The middle of the way that a joint is driven, and how far to each side [rad or m]."""
+    here = c.reference if c.position is None else c.position
+    wide = OPEN if c.kind == "revolute" else OPEN / 10
+    lower = here - wide if c.lower is None else c.lower
+    upper = here + wide if c.upper is None else c.upper
+    return (lower + upper) / 2, max(SHARE * (upper - lower) / 2, 0.0)
+
+
+def _frequency(c: Coordinate, reach: float) -> float:
+    """Such that the target is never faster than the joint may be, nor than arms are."""
+    if reach <= 0:
+        return FREQUENCY
+    fastest = FASTEST if c.kind == "revolute" else FASTEST / 10
+    return min(FREQUENCY, min(fastest, c.speed or math.inf) / (2 * math.pi * reach))

@@ -12,7 +12,7 @@ from plumbline.harness.intake.safe_text import quoted
 from plumbline.harness.scene import Motion, Samples
 from plumbline.harness.scene.importers.companion import Companion, JointWish
 from plumbline.harness.scene.importers.fidelity import Fidelity
-from plumbline.harness.scene.importers.robot import Coordinate, Link, Need, Robot, Servo
+from plumbline.harness.scene.importers.robot import Coordinate, Need, Robot, Servo
 
 NONE: Mapping[str, Samples] = MappingProxyType({})
 _NO_WISH = JointWish()
@@ -29,7 +29,7 @@ def valid_name(given: Iterable[str], valid: Iterable[str], what: str, source: st
             )
 
 
-def rooted(robot: Robot, companion: Companion, wishes: Wishes) -> tuple[Robot, list[Fidelity]]:
+def rooted(robot: Robot, companion: Companion, wishes: Wishes) -> Robot:
     """The robot with its root held as the user says, or as alone is possible; it has to be said where both are.
 
     Raises: RobotError.
@@ -39,7 +39,7 @@ def rooted(robot: Robot, companion: Companion, wishes: Wishes) -> tuple[Robot, l
     if root is None and companion.massless is None and not _weighs(robot):
         root = "fixed"
         why = "it has no mass, so that nothing else is possible"
-        rows.append(Fidelity(element="root", name=name, outcome="exact", becomes="fixed", consequence=why))
+        rows += Fidelity.exact("root", name, "fixed", consequence=why)
         if wishes.tell is not None:
             wishes.tell(f"{robot.source}: root {quoted(name, 80)} is held fixed: {why}")
     if root is None:
@@ -54,7 +54,7 @@ def rooted(robot: Robot, companion: Companion, wishes: Wishes) -> tuple[Robot, l
     if root == "floating" and robot.root is None:
         first = replace(robot.links[0], coordinates=(Coordinate(name=f"{name}.root", kind="free"),))
         robot = replace(robot, links=(first, *robot.links[1:]))
-    return replace(robot, root=root), rows
+    return replace(robot, root=root).told(rows)
 
 
 def _weighs(robot: Robot) -> bool:
@@ -66,12 +66,12 @@ def _weighs(robot: Robot) -> bool:
     return any(link.solid is not None and link.solid.mass > 0 for link in robot.links if link.name in fixed)
 
 
-def undropped(robot: Robot) -> list[Fidelity]:
-    """Rows for what the user leaves out.
+def undropped(robot: Robot) -> Robot:
+    """The robot with rows for what the user leaves out.
 
     Raises: RobotError, naming all that has no word in a scene and is not dropped, and a pattern that no joint meets.
     """
-    robot.dropped.check((c.name for link in robot.links for c in link.coordinates), robot.source)
+    robot.dropped.check((c.name for c in robot.coordinates()), robot.source)
     needs = (*robot.needs, *_of_coordinates(robot))
     open_needs = [left for need in needs if (left := left_of(need, robot.dropped)) is not None]
     if open_needs:
@@ -81,16 +81,16 @@ def undropped(robot: Robot) -> list[Fidelity]:
             for need in open_needs
         ]
         raise RobotError("\n".join(lines))
-    return [
-        Fidelity(
-            element=need.element,
-            name=listed(need.names),
-            count=len(need.names),
-            outcome="left_out",
-            consequence=f"{need.kind.replace('_', ' ')} was dropped by the user{': ' + need.size if need.size else ''}",
+    return robot.told(
+        *(
+            Fidelity.left_out(
+                need.element,
+                need.names,
+                f"{need.kind.replace('_', ' ')} was dropped by the user{': ' + need.size if need.size else ''}",
+            )
+            for need in needs
         )
-        for need in needs
-    ]
+    )
 
 
 def left_of(need: Need, dropped: Omissions) -> Need | None:
@@ -112,7 +112,7 @@ def _said(need: Need) -> str:
 def _of_coordinates(robot: Robot) -> list[Need]:
     """Rotors and dry friction of balls and free joints, which no scene has."""
     needs = []
-    coordinates = [c for link in robot.links for c in link.coordinates if c.kind in ("ball", "free")]
+    coordinates = [c for c in robot.coordinates() if c.kind in ("ball", "free")]
     kinds: tuple[tuple[Drop, str], ...] = (("armature", "kg m2 or kg"), ("friction_loss", "N m or N"))
     for kind, unit in kinds:
         having = [c for c in coordinates if getattr(c, kind) > 0]
@@ -123,12 +123,12 @@ def _of_coordinates(robot: Robot) -> list[Need]:
     return needs
 
 
-def settled(robot: Robot, companion: Companion, commands: Mapping[str, Samples] = NONE) -> tuple[Robot, list[Fidelity]]:
+def settled(robot: Robot, companion: Companion, commands: Mapping[str, Samples] = NONE) -> Robot:
     """The robot with the companion's start, ranges and drives in its coordinates.
 
     Args: commands: targets over time by joint, of its file of commands. Raises: RobotError.
     """
-    scalars = [c.name for link in robot.links for c in link.coordinates if c.kind in ("revolute", "prismatic")]
+    scalars = [c.name for c in robot.coordinates() if c.kind in ("revolute", "prismatic")]
     valid_name(companion.joints, scalars, "joint", robot.source)
     valid_name(commands, scalars, f"{companion.commands}: column", robot.source)
     for name in commands:
@@ -145,12 +145,14 @@ def settled(robot: Robot, companion: Companion, commands: Mapping[str, Samples] 
         replace(
             link,
             coordinates=tuple(_coordinate(c, companion, commands.get(c.name), rows) for c in link.coordinates),
-            geometries=tuple(replace(g, contact=companion.materials.get(link.name, g.contact)) for g in link.geometries),
+            geometries=tuple(replace(g, contact=companion.materials[link.name]) for g in link.geometries)
+            if link.name in companion.materials
+            else link.geometries,
         )
         for link in robot.links
     )
-    rows += _bounds(links, companion.speed_limits)
-    return replace(robot, links=links, speed_limits=companion.speed_limits), rows
+    settled_robot = replace(robot, links=links, speed_limits=companion.speed_limits)
+    return settled_robot.told(rows, _bounds(settled_robot))
 
 
 def _coordinate(c: Coordinate, companion: Companion, samples: Samples | None, rows: list[Fidelity]) -> Coordinate:
@@ -179,7 +181,8 @@ def _coordinate(c: Coordinate, companion: Companion, samples: Samples | None, ro
         position = _inside(c, position, rows)
     c = replace(c, position=position, velocity=wish.velocity or c.velocity)
     _outside(c, rows)
-    return replace(c, servo=_servo(c, wish, companion, wish.motion if samples is None else samples))
+    servo = _servo(c, wish, companion, wish.motion if samples is None else samples)
+    return c if servo is c.servo else replace(c, servo=servo)
 
 
 def _start(c: Coordinate, wish: JointWish, companion: Companion) -> float:
@@ -195,16 +198,13 @@ def _inside(c: Coordinate, position: float, rows: list[Fidelity]) -> float:
     lower, upper = (position if bound is None else bound for bound in (c.lower, c.upper))
     nearest = min(max(position, lower), upper)
     if nearest != position:
-        rows.append(
-            Fidelity(
-                element="start",
-                name=c.name,
-                outcome="approximated",
-                becomes=f"{nearest:.6g}, the bound of its range",
-                consequence="the robot's own start lies outside its range, by",
-                value=abs(nearest - position),
-                unit="rad" if c.kind == "revolute" else "m",
-            )
+        rows += Fidelity.approximated(
+            "start",
+            c.name,
+            f"{nearest:.6g}, the bound of its range",
+            consequence="the robot's own start lies outside its range, by",
+            value=abs(nearest - position),
+            unit="rad" if c.kind == "revolute" else "m",
         )
     return nearest
 
@@ -214,17 +214,14 @@ def _outside(c: Coordinate, rows: list[Fidelity]) -> None:
     assert c.position is not None
     beyond = max(low - c.position if low is not None else 0.0, c.position - high if high is not None else 0.0)
     if beyond > 0:
-        rows.append(
-            Fidelity(
-                element="start",
-                name=c.name,
-                outcome="exact",
-                becomes=f"{c.position:.6g}, outside the range",
-                consequence="engines push it back at once, a kick at t = 0, in most of them the harder the smaller the step, "
-                "so that no limit is reached; --start inside begins at the bound, --start middle within; outside by",
-                value=beyond,
-                unit="rad" if c.kind == "revolute" else "m",
-            )
+        rows += Fidelity.exact(
+            "start",
+            c.name,
+            f"{c.position:.6g}, outside the range",
+            consequence="engines push it back at once, a kick at t = 0, in most of them the harder the smaller the step, "
+            "so that no limit is reached; --start inside begins at the bound, --start middle within; outside by",
+            value=beyond,
+            unit="rad" if c.kind == "revolute" else "m",
         )
 
 
@@ -258,7 +255,7 @@ def _servo(c: Coordinate, wish: JointWish, companion: Companion, motion: Motion 
 
 def followed(robot: Robot) -> Robot:
     """The robot, each of whose moving targets has a drive that follows it. Raises: RobotError."""
-    for c in (c for link in robot.links for c in link.coordinates):
+    for c in robot.coordinates():
         if c.servo is not None and c.servo.motion is not None and c.servo.stiffness == 0:
             raise RobotError(
                 f"{robot.source}: joint {quoted(c.name, 80)}: its target moves, and it has no drive that follows; "
@@ -267,32 +264,21 @@ def followed(robot: Robot) -> Robot:
     return robot
 
 
-def _bounds(links: tuple[Link, ...], held: bool) -> list[Fidelity]:
-    """What is said of efforts and speeds. Args: held: are bounds of speed laws of the scene?"""
-    coordinates = [c for link in links for c in link.coordinates]
-    rows = []
-    idle = [c for c in coordinates if c.effort is not None and c.servo is None]
-    driven = [c for c in coordinates if c.effort is not None and c.servo is not None]
-    swift = [c for c in coordinates if c.speed is not None]
-    if driven:
-        names = listed([c.name for c in driven])
-        rows.append(Fidelity(element="effort", name=names, count=len(driven), outcome="exact", becomes="limit of the drive"))
-    rows += Fidelity.left_out("effort", [c.name for c in idle], "bounds a motor, and these joints have no drive")
-    if swift:
-        rows.append(
-            Fidelity(
-                element="velocity limit",
-                name=listed([c.name for c in swift]),
-                count=len(swift),
-                outcome="exact" if held else "left_out",
-                becomes="speed_limit" if held else "",
-                consequence="a hard bound of the rate; MuJoCo and Bullet have none; the least is"
-                if held
-                else "not a law of the scene unless the companion says speed_limits = true; the least bound is",
-                value=min(c.speed for c in swift if c.speed is not None),
-                unit="rad/s or m/s",
-            )
-        )
+def _bounds(robot: Robot) -> list[Fidelity]:
+    """What is said of efforts and speeds."""
+    coordinates = list(robot.coordinates())
+    limited = [c for c in coordinates if c.effort is not None]
+    swift = {c.name: c.speed for c in coordinates if c.speed is not None}
+    rows = Fidelity.exact("effort", [c.name for c in limited if c.servo is not None], "limit of the drive")
+    idle = [c.name for c in limited if c.servo is None]
+    rows += Fidelity.left_out("effort", idle, "bounds a motor, and these joints have no drive")
+    least = {"value": min(swift.values(), default=None), "unit": "rad/s or m/s"}
+    if robot.speed_limits:
+        words = "a hard bound of the rate; MuJoCo and Bullet have none; the least is"
+        rows += Fidelity.exact("velocity limit", list(swift), "speed_limit", consequence=words, **least)
+    else:
+        words = "not a law of the scene unless the companion says speed_limits = true; the least bound is"
+        rows += Fidelity.left_out("velocity limit", list(swift), words, **least)
     locked = [c.name for c in coordinates if c.lower is not None and c.lower == c.upper]
     rows += Fidelity.exact("limit", locked, "a range of one value", consequence="the joint is locked by its limits")
     return rows

@@ -38,6 +38,8 @@ def moved(solid: Solid, X: Pose) -> Solid:
 
 def together(solids: list[Solid]) -> Solid:
     """Several solids with tensors, in one frame, as one; a tensor without a mass is added as it is."""
+    if len(solids) == 1 and solids[0].mass > 0:
+        return solids[0]
     mass = math.fsum(solid.mass for solid in solids)
     if mass <= 0:
         return Solid(0.0, np.zeros(3), np.zeros((3, 3)))

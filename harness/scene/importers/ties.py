@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import replace
 
-from plumbline.harness.intake.error import RobotError, listed
+from plumbline.harness.intake.error import RobotError
 from plumbline.harness.intake.import_wishes import Omissions
 from plumbline.harness.intake.safe_text import quoted
 from plumbline.harness.scene import Coupling, Joint, Prismatic, Revolute
@@ -17,19 +17,11 @@ FAR = 1e9
 """What no follower starts at, nor at a rate of: beyond it a turn has no digits left."""
 
 
-def untied(robot: Robot) -> tuple[Robot, list[Fidelity]]:
+def untied(robot: Robot) -> Robot:
     """The robot without the ties that its user leaves out, and a row that says so."""
-    lost = [c.name for c in _coordinates(robot) if lets_go(robot.dropped, c)]
-    if not lost:
-        return robot, []
-    row = Fidelity(
-        element="joint",
-        name=listed(lost),
-        count=len(lost),
-        outcome="left_out",
-        consequence="mimic was dropped by the user: each then moves freely",
-    )
-    return _each(robot, {name: {"tie": None} for name in lost}), [row]
+    lost = [c.name for c in robot.coordinates() if lets_go(robot.dropped, c)]
+    rows = Fidelity.left_out("joint", lost, "mimic was dropped by the user: each then moves freely")
+    return robot.each(lambda c: replace(c, tie=None) if c.name in lost else c).told(rows) if lost else robot
 
 
 def lets_go(dropped: Omissions, c: Coordinate) -> bool:
@@ -37,43 +29,33 @@ def lets_go(dropped: Omissions, c: Coordinate) -> bool:
     return c.tie is not None and any(dropped.takes(kind, c.name) for kind in c.tie.kinds)
 
 
-def tied(robot: Robot) -> tuple[Robot, list[Fidelity]]:
+def tied(robot: Robot) -> Robot:
     """The robot with each follower at the place and rate that its tie says. Raises: RobotError, where ties lead in a ring."""
-    coordinates = {c.name: c for c in _coordinates(robot)}
-    rows, changed = list[Fidelity](), dict[str, dict[str, object]]()
+    coordinates = {c.name: c for c in robot.coordinates()}
+    moved, rows = dict[str, Coordinate](), list[Fidelity]()
     for c in coordinates.values():
         if c.tie is None:
             continue
         position, velocity = _where(c, coordinates)
         here = c.reference if c.position is None else c.position
-        changed[c.name] = {"position": position, "velocity": velocity}
+        moved[c.name] = replace(c, position=position, velocity=velocity)
         if abs(position - here) > MOVED * max(1.0, abs(here)):
-            rows.append(
-                Fidelity(
-                    element="start",
-                    name=c.name,
-                    outcome="approximated",
-                    becomes=f"{position:.6g}, where its tie to '{c.tie.joint}' puts it",
-                    consequence="the start that the file or its companion gives lies beside the tie, by",
-                    value=abs(position - here),
-                    unit="rad" if c.kind == "revolute" else "m",
-                )
+            rows += Fidelity.approximated(
+                "start",
+                c.name,
+                f"{position:.6g}, where its tie to '{c.tie.joint}' puts it",
+                consequence="the start that the file or its companion gives lies beside the tie, by",
+                value=abs(position - here),
+                unit="rad" if c.kind == "revolute" else "m",
             )
-    if changed:
-        rows.append(_row(coordinates, list(changed)))
-    return _each(robot, changed), rows
-
-
-def _row(coordinates: Mapping[str, Coordinate], names: list[str]) -> Fidelity:
-    soft = any(tie.soft for name in names if (tie := coordinates[name].tie) is not None)
-    return Fidelity(
-        element="equality" if soft else "mimic",
-        name=listed(names),
-        count=len(names),
-        outcome="approximated" if soft else "exact",
-        becomes="coupling",
-        consequence="how softly the tie holds is each engine's own, not the file's solref and solimp" if soft else "",
-    )
+    if not moved:
+        return robot
+    if any(c.tie is not None and c.tie.soft for c in moved.values()):
+        words = "how softly the tie holds is each engine's own, not the file's solref and solimp"
+        rows += Fidelity.approximated("equality", list(moved), "coupling", consequence=words)
+    else:
+        rows += Fidelity.exact("mimic", list(moved), "coupling")
+    return robot.each(lambda c: moved.get(c.name, c)).told(rows)
 
 
 def _where(c: Coordinate, coordinates: Mapping[str, Coordinate]) -> tuple[float, float]:
@@ -96,7 +78,7 @@ def _where(c: Coordinate, coordinates: Mapping[str, Coordinate]) -> tuple[float,
 
 def coupled(joints: list[Joint], robot: Robot, names: Mapping[str, str]) -> list[Joint]:
     """The joints of a scene with the couplings that its coordinates have. Args: names: of each coordinate, its joint's."""
-    ties = {names[c.name]: c.tie for c in _coordinates(robot) if c.tie is not None}
+    ties = {names[c.name]: c.tie for c in robot.coordinates() if c.tie is not None}
     with_couplings: list[Joint] = []
     for joint in joints:
         tie = ties.get(joint.name)
@@ -104,17 +86,3 @@ def coupled(joints: list[Joint], robot: Robot, names: Mapping[str, str]) -> list
             joint = replace(joint, coupling=Coupling(joint=names[tie.joint], ratio=tie.ratio, offset=tie.offset))
         with_couplings.append(joint)
     return with_couplings
-
-
-def _coordinates(robot: Robot) -> list[Coordinate]:
-    return [c for link in robot.links for c in link.coordinates]
-
-
-def _each(robot: Robot, changed: Mapping[str, Mapping[str, object]]) -> Robot:
-    if not changed:
-        return robot
-    links = tuple(
-        replace(link, coordinates=tuple(replace(c, **changed.get(c.name, {})) for c in link.coordinates))  # type: ignore[arg-type]
-        for link in robot.links
-    )
-    return replace(robot, links=links)

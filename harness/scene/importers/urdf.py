@@ -19,7 +19,7 @@ from plumbline.harness.scene.importers.files import text_of
 from plumbline.harness.scene.importers.importer import Reading
 from plumbline.harness.scene.importers.poses import IDENTITY, Array
 from plumbline.harness.scene.importers.robot import Coordinate, Link, Need, Robot, Solid, Tie
-from plumbline.harness.scene.importers.urdf_grammar import numbers
+from plumbline.harness.scene.importers.urdf_grammar import end_of, numbers
 from plumbline.harness.scene.importers.urdf_shapes import pose_of
 from plumbline.harness.scene.importers.xml_text import Element, elements
 
@@ -37,7 +37,7 @@ def read(path: Path, reading: Reading) -> Robot:
     urdf_grammar.check_tree(checked)
     shapes = urdf_shapes.Shapes(reading.folders, reading.companion.density, reading.convex, reading.tell)
     links = {link.attributes["name"]: link for link in checked.all("link")}
-    joints = {_end(joint, "child"): joint for joint in checked.all("joint")}
+    joints = {end_of(joint, "child"): joint for joint in checked.all("joint")}
     materials = {material.attributes.get("name"): material for material in checked.all("material")}
     read = {name: _link(links[name], joints.get(name), shapes, materials) for name in _from_the_root(links, joints)}
     read, needs = _tied(read, checked.all("joint"))
@@ -54,13 +54,6 @@ def read(path: Path, reading: Reading) -> Robot:
     )
 
 
-def _end(joint: Element, tag: str) -> str:
-    """The link that a joint names as its 'parent' or 'child'."""
-    end = joint.first(tag)
-    assert end is not None
-    return end.attributes["link"]
-
-
 def _number(element: Element | None, name: str, default: float | None = None) -> float | None:
     """The number of an attribute, if the element is there and has it."""
     values = None if element is None else numbers(element, name)
@@ -70,7 +63,7 @@ def _number(element: Element | None, name: str, default: float | None = None) ->
 def _from_the_root(links: dict[str, Element], joints: dict[str, Element]) -> list[str]:
     below: dict[str, list[str]] = {}
     for child, joint in joints.items():
-        below.setdefault(_end(joint, "parent"), []).append(child)
+        below.setdefault(end_of(joint, "parent"), []).append(child)
     order, waiting = [], [next(name for name in links if name not in joints)]
     while waiting:
         name = waiting.pop()
@@ -83,7 +76,7 @@ def _link(link: Element, joint: Element | None, shapes: urdf_shapes.Shapes, mate
     geometries = shapes.of(link)
     return Link(
         name=link.attributes["name"],
-        parent=None if joint is None else _end(joint, "parent"),
+        parent=None if joint is None else end_of(joint, "parent"),
         X_PL=IDENTITY if joint is None else pose_of(joint),
         coordinates=() if joint is None else _coordinates(joint),
         solid=_solid(link, shapes),
@@ -173,7 +166,9 @@ def _tied(read: dict[str, Link], joints: list[Element]) -> tuple[dict[str, Link]
         and leader != name
     }
     linked = {
-        name: replace(link, coordinates=tuple(replace(c, tie=ties.get(c.name)) for c in link.coordinates))
+        name: replace(link, coordinates=tuple(replace(c, tie=ties[c.name]) for c in link.coordinates))
+        if any(c.name in ties for c in link.coordinates)
+        else link
         for name, link in read.items()
     }
     still = tuple(name for name in mimics if name not in ties and kinds[mimics[name].attributes["joint"]] == "fixed")
@@ -187,12 +182,9 @@ def _mimics(joints: list[Element]) -> dict[str, Element]:
 
 
 def _rows(joints: list[Element], left: urdf_grammar.Left) -> list[Fidelity]:
-    rows = [
-        Fidelity(
-            element=tag, name="", count=count, outcome="left_out", consequence=urdf_grammar.FOREIGN.get(tag, "a dialect's own")
-        )
-        for tag, count in left.foreign.items()
-    ]
+    rows = list[Fidelity]()
+    for tag, count in left.foreign.items():
+        rows += Fidelity.left_out(tag, "", urdf_grammar.FOREIGN.get(tag, "a dialect's own"), count=count)
     for word, owners in left.unknown.items():
         rows += Fidelity.left_out(word, owners, "no word of URDF, and near none that changes the motion")
     for tag in ("safety_controller", "calibration"):

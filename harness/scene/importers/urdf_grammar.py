@@ -18,74 +18,60 @@ from plumbline.harness.scene.importers.xml_text import Element
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
 GEOMETRIES = ("box", "cylinder", "sphere", "mesh")
 
-_CHILDREN: Mapping[str, tuple[str, ...]] = MappingProxyType(
+
+@dataclass(frozen=True, slots=True)
+class _Form:
+    """What an element may say.
+
+    Terms: children: elements in it. numbers: attributes, each with how many numbers it may have. texts: other attributes.
+    required: attributes that have to be there. positive, not_negative: numbers that are above 0, and 0 or more.
+    """
+
+    children: tuple[str, ...] = ()
+    numbers: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
+    texts: tuple[str, ...] = ()
+    required: tuple[str, ...] = ()
+    positive: tuple[str, ...] = ()
+    not_negative: tuple[str, ...] = ()
+
+
+def _single(*names: str) -> dict[str, tuple[int, ...]]:
+    return dict.fromkeys(names, (1,))
+
+
+_MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+_LIMITS = ("lower", "upper", "effort", "velocity")
+_SOFT = ("soft_lower_limit", "soft_upper_limit", "k_position", "k_velocity")
+_OF_A_JOINT = ("origin", "parent", "child", "axis", "limit", "dynamics", "mimic", "calibration", "safety_controller")
+_FORMS: Mapping[str, _Form] = MappingProxyType(
     {
-        "robot": ("link", "joint", "material"),
-        "link": ("inertial", "visual", "collision"),
-        "inertial": ("origin", "mass", "inertia"),
-        "visual": ("origin", "geometry", "material"),
-        "collision": ("origin", "geometry"),
-        "geometry": GEOMETRIES,
-        "material": ("color", "texture"),
-        "joint": ("origin", "parent", "child", "axis", "limit", "dynamics", "mimic", "calibration", "safety_controller"),
+        "robot": _Form(("link", "joint", "material"), texts=("name", "version")),
+        "link": _Form(("inertial", "visual", "collision"), texts=("name", "type"), required=("name",)),
+        "joint": _Form(_OF_A_JOINT, texts=("name", "type"), required=("name", "type")),
+        "inertial": _Form(("origin", "mass", "inertia")),
+        "visual": _Form(("origin", "geometry", "material"), texts=("name",)),
+        "collision": _Form(("origin", "geometry"), texts=("name", "group")),
+        "geometry": _Form(GEOMETRIES),
+        "material": _Form(("color", "texture"), texts=("name",)),
+        "origin": _Form(numbers={"xyz": (3,), "rpy": (3,)}),
+        "mass": _Form(numbers=_single("value"), required=("value",), not_negative=("value",)),
+        "inertia": _Form(numbers=_single(*_MOMENTS), required=_MOMENTS),
+        "box": _Form(numbers={"size": (3,)}, required=("size",), positive=("size",)),
+        "cylinder": _Form(numbers=_single("radius", "length"), required=("radius", "length"), positive=("radius", "length")),
+        "sphere": _Form(numbers=_single("radius"), required=("radius",), positive=("radius",)),
+        "mesh": _Form(numbers={"scale": (1, 3)}, texts=("filename",), required=("filename",)),
+        "color": _Form(numbers={"rgba": (4,)}),
+        "texture": _Form(texts=("filename",)),
+        "parent": _Form(texts=("link",), required=("link",)),
+        "child": _Form(texts=("link",), required=("link",)),
+        "axis": _Form(numbers={"xyz": (3,)}),
+        "limit": _Form(numbers=_single(*_LIMITS), not_negative=("effort", "velocity")),
+        "dynamics": _Form(numbers=_single("damping", "friction"), not_negative=("damping", "friction")),
+        "mimic": _Form(numbers=_single("multiplier", "offset"), texts=("joint",), required=("joint",)),
+        "calibration": _Form(numbers=_single("rising", "falling")),
+        "safety_controller": _Form(numbers=_single(*_SOFT)),
     }
 )
-_NUMBERS: Mapping[str, Mapping[str, tuple[int, ...]]] = MappingProxyType(
-    {
-        "origin": {"xyz": (3,), "rpy": (3,)},
-        "mass": {"value": (1,)},
-        "inertia": dict.fromkeys(("ixx", "ixy", "ixz", "iyy", "iyz", "izz"), (1,)),
-        "box": {"size": (3,)},
-        "cylinder": {"radius": (1,), "length": (1,)},
-        "sphere": {"radius": (1,)},
-        "mesh": {"scale": (1, 3)},
-        "color": {"rgba": (4,)},
-        "axis": {"xyz": (3,)},
-        "limit": dict.fromkeys(("lower", "upper", "effort", "velocity"), (1,)),
-        "dynamics": dict.fromkeys(("damping", "friction"), (1,)),
-        "mimic": {"multiplier": (1,), "offset": (1,)},
-        "calibration": {"rising": (1,), "falling": (1,)},
-        "safety_controller": dict.fromkeys(("soft_lower_limit", "soft_upper_limit", "k_position", "k_velocity"), (1,)),
-    }
-)
-_TEXTS: Mapping[str, tuple[str, ...]] = MappingProxyType(
-    {
-        "robot": ("name", "version"),
-        "link": ("name", "type"),
-        "joint": ("name", "type"),
-        "visual": ("name",),
-        "collision": ("name", "group"),
-        "material": ("name",),
-        "mesh": ("filename",),
-        "texture": ("filename",),
-        "parent": ("link",),
-        "child": ("link",),
-        "mimic": ("joint",),
-    }
-)
-_REQUIRED: Mapping[str, tuple[str, ...]] = MappingProxyType(
-    {
-        "link": ("name",),
-        "joint": ("name", "type"),
-        "mass": ("value",),
-        "inertia": ("ixx", "ixy", "ixz", "iyy", "iyz", "izz"),
-        "box": ("size",),
-        "cylinder": ("radius", "length"),
-        "sphere": ("radius",),
-        "mesh": ("filename",),
-        "parent": ("link",),
-        "child": ("link",),
-        "mimic": ("joint",),
-    }
-)
-_POSITIVE = {("box", "size"), ("cylinder", "radius"), ("cylinder", "length"), ("sphere", "radius")}
-_NOT_NEGATIVE = {
-    ("mass", "value"),
-    ("dynamics", "damping"),
-    ("dynamics", "friction"),
-    ("limit", "effort"),
-    ("limit", "velocity"),
-}
 _ONCE = ("inertial", "origin", "mass", "inertia", "axis", "limit", "dynamics", "mimic", "parent", "child", "geometry")
 _STILL = {
     *("visual", "material", "color", "texture", "calibration", "safety_controller"),
@@ -124,13 +110,14 @@ FOREIGN: Mapping[str, str] = MappingProxyType(
 
 
 @lru_cache(maxsize=4096)
-def _values(text: str) -> tuple[float, ...]:
-    """As many numbers as there are words, NaN where one is none. Texts of a file are few, and read more than once."""
+def _values(text: str) -> tuple[tuple[float, ...], bool]:
+    """As many numbers as there are words, NaN where one is none; are all of a size that is taken? Texts are read repeatedly."""
     words = text.split()
     try:
-        return tuple(map(float, words)) if len(text) < 400 and "_" not in text else (math.nan,) * len(words)
+        values = tuple(map(float, words)) if len(text) < 400 and "_" not in text else (math.nan,) * len(words)
     except ValueError:
-        return (math.nan,) * len(words)
+        values = (math.nan,) * len(words)
+    return values, sum(map(abs, values)) <= LARGEST
 
 
 def numbers(element: Element, name: str, counts: tuple[int, ...] = (1,)) -> tuple[float, ...] | None:
@@ -138,15 +125,17 @@ def numbers(element: Element, name: str, counts: tuple[int, ...] = (1,)) -> tupl
     text = element.attributes.get(name)
     if text is None:
         return None
-    values, several = _values(text), "s" if counts != (1,) else ""
+    values, taken = _values(text)
+    if taken and len(values) in counts:
+        return values
+    several = "s" if counts != (1,) else ""
     if len(values) not in counts:
         expected = " or ".join(str(count) for count in counts)
         raise element.refuse(f"{name} is {quoted(text)}, expected {expected} number{several}")
-    if not sum(map(abs, values)) <= LARGEST:  # nor where one is no number
-        if not all(map(math.isfinite, values)):
-            raise element.refuse(f"{name} is {quoted(text)}, expected finite number{several}")
-        if wrong := next(filter(None, map(wrong_size, values)), ""):
-            raise element.refuse(f"{name} is {quoted(text)}, {wrong}")
+    if not all(map(math.isfinite, values)):
+        raise element.refuse(f"{name} is {quoted(text)}, expected finite number{several}")
+    if wrong := next(filter(None, map(wrong_size, values)), ""):
+        raise element.refuse(f"{name} is {quoted(text)}, {wrong}")
     return values
 
 
@@ -163,7 +152,7 @@ class Left:
 
 
 def check(root: Element, *, strict: bool = False) -> tuple[Element, Left]:
-    """The robot with nothing but URDF's own elements, and what was left behind.
+    """The robot, out of which all is taken that is not URDF's own, and what was left behind.
 
     Args: strict: is every word refused that is neither URDF's nor a known dialect's? Else those that are no slip of the pen for
     what changes the motion are left behind.
@@ -172,7 +161,8 @@ def check(root: Element, *, strict: bool = False) -> tuple[Element, Left]:
     if root.tag != "robot":
         raise root.refuse("is the root of the file, expected <robot>")
     left = Left()
-    return _checked(root, left, strict), left
+    _check_element(root, left, strict)
+    return root, left
 
 
 def _passed_over(word: str, words: Iterable[str], strict: bool) -> bool:
@@ -180,7 +170,7 @@ def _passed_over(word: str, words: Iterable[str], strict: bool) -> bool:
     return not (strict or word in _ALONE or misspelt(word, (each for each in words if each not in _STILL)))
 
 
-def _checked(element: Element, left: Left, strict: bool) -> Element:
+def _check_element(element: Element, left: Left, strict: bool) -> None:
     _check_attributes(element, left, strict)
     if element.tag == "geometry":
         shapes = [child.tag for child in element.children if child.tag not in FOREIGN or child.tag in ("capsule", "cdf")]
@@ -188,11 +178,12 @@ def _checked(element: Element, left: Left, strict: bool) -> Element:
             got = ", ".join(f"<{tag}>" for tag in shapes[:4]) or "nothing"
             raise element.refuse(f"holds {quoted(got)[1:-1]}, expected one of {', '.join(GEOMETRIES)}")
     kept = []
-    known = _CHILDREN.get(element.tag, ())
+    known = _FORMS[element.tag].children
     for child in element.children:
         foreign = child.tag.partition(":")[0]
         if child.tag in known:
-            kept.append(_checked(child, left, strict))
+            _check_element(child, left, strict)
+            kept.append(child)
         elif foreign == "xacro":
             raise child.refuse("a macro that was not expanded; run xacro first and give its output")
         elif foreign in FOREIGN or ":" in child.tag:
@@ -220,7 +211,7 @@ def _checked(element: Element, left: Left, strict: bool) -> Element:
         for axis in element.all("axis") if element.attributes["type"] not in ("fixed", "floating") else ():
             if math.hypot(*(numbers(axis, "xyz", (3,)) or (1.0,))) < 1e-9:
                 raise axis.refuse(f"xyz is {quoted(axis.attributes['xyz'])}, expected a direction")
-    return Element(element.tag, element.attributes, element.file, element.line, kept)
+    element.children = kept
 
 
 def _check_dialect(element: Element) -> None:
@@ -238,19 +229,17 @@ def _leave(left: Left, word: str, owner: Element) -> None:
 
 
 def _check_attributes(element: Element, left: Left, strict: bool) -> None:
-    tag = element.tag
-    for name in _REQUIRED.get(tag, ()):
+    tag, form = element.tag, _FORMS[element.tag]
+    for name in form.required:
         if name not in element.attributes:
-            raise element.refuse(f"{name} is missing, expected {'a number' if name in _NUMBERS.get(tag, {}) else 'a text'}")
-    counts = _NUMBERS.get(tag, {})
+            raise element.refuse(f"{name} is missing, expected {'a number' if name in form.numbers else 'a text'}")
     for name, text in element.attributes.items():
-        if "${" in text or "$(" in text:
+        if "$" in text and ("${" in text or "$(" in text):
             raise element.refuse(f"{name} is {quoted(text)}: a macro that was not expanded; run xacro first")
-        if name in counts:
-            values = numbers(element, name, counts[name])
-            _check_signs(element, name, values or ())
-        elif name not in _TEXTS.get(tag, ()) and not name.startswith("xmlns") and ":" not in name and tag in _KNOWN:
-            valid = (*counts, *_TEXTS.get(tag, ()))
+        if name in form.numbers:
+            _check_signs(element, name, numbers(element, name, form.numbers[name]) or ())
+        elif name not in form.texts and not name.startswith("xmlns") and ":" not in name:
+            valid = (*form.numbers, *form.texts)
             if _passed_over(name, valid, strict):
                 _leave(left, f"{quoted(name, 60)[1:-1]} of <{tag}>", element)
                 continue
@@ -265,15 +254,15 @@ def _check_attributes(element: Element, left: Left, strict: bool) -> None:
 
 
 def _check_signs(element: Element, name: str, values: tuple[float, ...]) -> None:
-    if (element.tag, name) in _POSITIVE and min(values) <= 0:
-        raise element.refuse(f"{name} is {quoted(element.attributes[name])}, expected above 0")
-    if (element.tag, name) in _NOT_NEGATIVE and min(values) < 0:
-        raise element.refuse(f"{name} is {quoted(element.attributes[name])}, expected 0 or more")
-    if (element.tag, name) == ("mesh", "scale") and 0 in values:
-        raise element.refuse(f"scale is {quoted(element.attributes[name])}, expected no zero")
-
-
-_KNOWN = frozenset((*_CHILDREN, *_NUMBERS, *_TEXTS))
+    form, expected = _FORMS[element.tag], ""
+    if name in form.positive and min(values) <= 0:
+        expected = "above 0"
+    elif name in form.not_negative and min(values) < 0:
+        expected = "0 or more"
+    elif name == "scale" and 0 in values:
+        expected = "no zero"
+    if expected:
+        raise element.refuse(f"{name} is {quoted(element.attributes[name])}, expected {expected}")
 
 
 def check_tree(root: Element) -> None:
@@ -293,9 +282,7 @@ def check_tree(root: Element) -> None:
     for joint in joints:
         ends = {}
         for tag in ("parent", "child"):
-            end = joint.first(tag)
-            assert end is not None
-            ends[tag] = end.attributes["link"]
+            ends[tag] = end_of(joint, tag)
             if ends[tag] not in names:
                 raise joint.refuse(f"{tag} is {quoted(ends[tag], 80)}, expected the name of a <link>")
         if ends["child"] in holder:
@@ -310,22 +297,21 @@ def check_tree(root: Element) -> None:
     if len(roots) > 1:
         shown = ", ".join(f"{quoted(name, 60)} (line {names[name].line})" for name in roots[:4])
         raise names[roots[1]].refuse(f"{len(roots)} links hang on no joint: {shown}; expected one root")
-    _check_reached(roots[0], joints, names)
-
-
-def _check_reached(root: str, joints: list[Element], names: dict[str, Element]) -> None:
     below: dict[str, list[str]] = {}
-    for joint in joints:
-        parent, child = joint.first("parent"), joint.first("child")
-        assert parent is not None
-        assert child is not None
-        below.setdefault(parent.attributes["link"], []).append(child.attributes["link"])
-    reached, waiting = {root}, [root]
+    for child, joint in holder.items():
+        below.setdefault(end_of(joint, "parent"), []).append(child)
+    reached, waiting = {roots[0]}, [roots[0]]
     while waiting:
-        for name in below.get(waiting.pop(), ()):
-            if name not in reached:
-                reached.add(name)
-                waiting.append(name)
+        fresh = [name for name in below.get(waiting.pop(), ()) if name not in reached]
+        reached.update(fresh)
+        waiting += fresh
     lost = [name for name in names if name not in reached]
     if lost:
         raise names[lost[0]].refuse(f"hangs in a circle of joints with {len(lost) - 1} other links; expected a tree")
+
+
+def end_of(joint: Element, tag: str) -> str:
+    """The link that a joint names as its 'parent' or 'child'."""
+    end = joint.first(tag)
+    assert end is not None
+    return end.attributes["link"]

@@ -139,7 +139,7 @@ class Shapes:
         """What became of the shapes."""
         rows = []
         if self._exact:
-            rows.append(Fidelity(element="collision", name="primitives", count=self._exact, outcome="exact", becomes="shapes"))
+            rows += Fidelity.exact("collision", "primitives", "shapes", count=self._exact)
         if self._excess:
             known = [value for value in self._excess.values() if value == value]
             what = "the hull's volume exceeds" if self._convex is None else "the pieces' volumes together exceed"
@@ -165,15 +165,12 @@ class Shapes:
                 "inertial", links, f"{word} of the collision shapes, filled evenly", consequence="the file gives none"
             )
         if self._drawn:
-            rows.append(
-                Fidelity(
-                    element="visual",
-                    name="",
-                    count=self._drawn,
-                    outcome="left_out",
-                    becomes="the collision shapes are drawn",
-                    consequence="pictures and cameras see what collides",
-                )
+            rows += Fidelity.left_out(
+                "visual",
+                "",
+                "pictures and cameras see what collides",
+                count=self._drawn,
+                becomes="the collision shapes are drawn",
             )
         return rows
 
@@ -184,13 +181,16 @@ def pose_of(element: Element) -> Pose:
     if origin is None:
         return IDENTITY
     xyz, rpy = (numbers(origin, name, (3,)) or (0.0, 0.0, 0.0) for name in ("xyz", "rpy"))
+    p = np.array(xyz) + 0.0  # no zero with a sign
+    if not any(rpy):
+        return Pose(IDENTITY.R, p)
     (sr, sp, sy), (cr, cp, cy) = np.sin(rpy), np.cos(rpy)
     R = [
         [cp * cy, sp * (sr * cy) - cr * sy, sp * (cr * cy) + sr * sy],
         [cp * sy, sp * (sr * sy) + cr * cy, sp * (cr * sy) - sr * cy],
         [-sp, cp * sr, cp * cr],
     ]
-    return Pose(np.array(R) + 0.0, np.array(xyz) + 0.0)  # no zero with a sign
+    return Pose(np.array(R) + 0.0, p)
 
 
 def _form(element: Element) -> Element:

@@ -73,12 +73,15 @@ def elements(text: str, file: str) -> Element:
             self.root: Element | None = None
             self.count = 0
             self.locator: Any = None
+            self.values: dict[str, str] = {}
 
         def setDocumentLocator(self, locator: Any) -> None:
             self.locator = locator
 
         def startElement(self, name: str, attrs: Any) -> None:
-            element = Element(name, dict(attrs), file, self.locator.getLineNumber())
+            # Most values stand in many elements: each text is kept once.
+            attributes = {word: self.values.setdefault(value, value) for word, value in attrs.items()}
+            element = Element(name, attributes, file, self.locator.getLineNumber())
             self.count += 1
             if self.count > allowed.parts or len(self.open) >= allowed.depth:
                 parts = beyond("parts", self.count, "elements")
@@ -100,8 +103,9 @@ def elements(text: str, file: str) -> Element:
     reader, parser, source = Reader(), make_parser(), InputSource()
     parser.forbid_dtd = True
     parser.setContentHandler(reader)
-    source.setCharacterStream(io.StringIO(text))
+    source.setEncoding("utf-8")
     try:
+        source.setByteStream(io.BytesIO(text.encode()))
         parser.parse(source)
     except DTDForbidden as error:
         raise RobotError(

@@ -1,117 +1,76 @@
-"""Two robots of facts, quantity by quantity: rows for what differs beyond a tolerance.
+"""Two robots, quantity by quantity: rows for what differs beyond a tolerance, with what each is worth.
 
-Masses are compared relative to A's of the same group, lengths to the robot's extent, inertias to A's largest moment or that
-of the group's mass at a hundredth of the extent, angles as they are [rad], dampers and the like relative to the larger one.
+Masses are compared relative to A's of the same link, lengths to the robot's extent, inertias to A's largest moment or that
+of the link's mass at a hundredth of the extent, angles as they are [rad], dampers and the like relative to the larger one.
 Gravity torques are relative to the largest of A or a thousandth of the weight at the extent, the mass matrix to the geometric
 mean of the two diagonal entries.
 Accelerations are judged by the torque that would make up for their difference, relative to the largest force of A's motion: an
 ill-conditioned tree amplifies the last digits of its file in its accelerations, and not in the torques.
+
+A with B's value in the one place is another robot: its residual torques are those that have to be exerted on A's motion. So the
+differences of a pair are told apart, and each is worth the torque that makes up for it.
 """
 
-from dataclasses import replace
+from collections.abc import Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
+from plumbline.harness.scene import EARTH_GRAVITY
 from plumbline.harness.scene.importers.poses import Array
-from plumbline.harness.scene.parity.consequence import Change, joint_changed, mass_changed, reference, worth
-from plumbline.harness.scene.parity.contacts import renamed_pairs, shape_rows, touch_rows
-from plumbline.harness.scene.parity.difference import Difference, Quantity, Value
-from plumbline.harness.scene.parity.drives import drive_rows
-from plumbline.harness.scene.parity.facts import JointFacts, MassFacts, RobotFacts
-from plumbline.harness.scene.parity.laws import rows_of
-from plumbline.harness.scene.parity.motion import Configuration, dynamics, first_rates, passive
-from plumbline.harness.scene.parity.planar import turned_alike
-from plumbline.harness.scene.parity.states import drawn
+from plumbline.harness.scene.importers.robot import Coordinate, Link, Servo, Solid
+from plumbline.harness.scene.parity.bonds import bond_rows, shape_rows, touch_rows
+from plumbline.harness.scene.parity.canonical import SCALAR, Canonical, aligned, turned_alike, with_free_root
+from plumbline.harness.scene.parity.difference import Difference, Yardstick, six
+from plumbline.harness.scene.parity.motion import Configuration, drawn, dynamics, first_rates, passive
 
 TOLERANCE = 1e-5
 """Relative. Files hold decimals of five or six digits: a right angle written as 1.5708 is off by 3.7e-6 rad. Ten times
 less than this would find the digits of a file; a hundred times more is what a scale or a drawing of a robot leaves open."""
-EARTH = (0.0, 0.0, -9.81)
+SWEEP = 2 * np.pi
+"""Angular frequency [rad/s] of the motion that excites what has to do with accelerations."""
 _SMALLEST = 1e-300
+_UNITS = {"revolute": "N m", "prismatic": "N", "ball": "N m", "free": "N m or N"}
+
+Rows = list[tuple[Difference, Link | None]]
+"""Each with A's link as it is with B's value, where that is worked out."""
 
 
-def renamed(robot: RobotFacts, names: "dict[str, str]") -> RobotFacts:
-    """The robot with its joints by other names. Args: names: new by old; what is not in it keeps its own."""
-
-    def new(name: str) -> str:
-        return names.get(name, name)
-
-    return replace(
-        robot,
-        joints=tuple(replace(joint, name=new(joint.name), parent=new(joint.parent)) for joint in robot.joints),
-        masses={new(name): replace(solid, joint=new(name)) for name, solid in robot.masses.items()},
-        shapes={new(name): shapes for name, shapes in robot.shapes.items()},
-        touches=renamed_pairs(robot.touches, names),
-        laws=tuple(
-            replace(law, name=new(law.name) if law.kind == "mimic" else law.name, partners=tuple(map(new, law.partners)))
-            for law in robot.laws
-        ),
-    )
-
-
-def with_free_root(a: RobotFacts, b: RobotFacts) -> RobotFacts:
-    """B with its free joint by A's name, where each has one: formats name it in ways of their own."""
-    free_A, free_B = ([joint.name for joint in robot.joints if joint.kind == "free"] for robot in (a, b))
-    return renamed(b, {free_B[0]: free_A[0]}) if len(free_A) == 1 and len(free_B) == 1 else b
-
-
-def aligned(a: RobotFacts, b: RobotFacts) -> RobotFacts | None:
-    """B with its joints in the order of A's and its free root by A's name; None where their trees differ."""
-    b = with_free_root(a, b)
-    return _in_order(a, b) if same_tree(a, b) else None
-
-
-def same_tree(a: RobotFacts, b: RobotFacts) -> bool:
-    """Have both the same joints of the same types under the same parents?"""
-    return {(j.name, j.kind, j.parent) for j in a.joints} == {(j.name, j.kind, j.parent) for j in b.joints}
-
-
-def compare(a: RobotFacts, b: RobotFacts, tolerance: float = TOLERANCE, seed: int = 0) -> list[Difference]:
+def compare(a: Canonical, b: Canonical, tolerance: float = TOLERANCE, seed: int = 0) -> list[Difference]:
     """What differs, the causes before what follows from them."""
     b = turned_alike(a, with_free_root(a, b))
-    gravity = np.array(a.gravity or b.gravity or EARTH)
-    rows: list[tuple[Difference, Change | None]] = []
-    names_A, names_B = [joint.name for joint in a.joints], [joint.name for joint in b.joints]
-    rows += [(_missing("joint", name, "present", "absent", tolerance), None) for name in names_A if name not in names_B]
-    rows += [(_missing("joint", name, "absent", "present", tolerance), None) for name in names_B if name not in names_A]
-    extent = _extent(a)
-    for name in names_A:
-        if name in names_B:
-            rows += _joint(a.joint(name), b.joint(name), a.wordless | b.wordless, extent, tolerance)
-    for name in names_A:
-        if name in names_B:
-            rows += _mass(name, a.masses.get(name), b.masses.get(name), extent, tolerance)
-    slides = frozenset(joint.name for joint in a.joints if joint.kind == "prismatic")
-    rows += [(row, None) for row in rows_of(a.laws, b.laws, slides, extent, tolerance)]
-    if "shape" not in a.wordless | b.wordless:
-        rows += [(row, None) for row in shape_rows(a, b, extent, tolerance)]
-    if "touch" not in a.wordless | b.wordless:
-        rows += [(row, None) for row in touch_rows(a, b, tolerance)]
+    gravity = np.array(a.gravity or b.gravity or EARTH_GRAVITY)
+    by, wordless = Yardstick(tolerance, _extent(a)), a.wordless | b.wordless
+    own, other = ({link.name: link for link in robot.moving} for robot in (a, b))
+    rows: Rows = [(row, None) for name in own if name not in other for row in by.rows("joint", name, "present", "absent")]
+    rows += [(row, None) for name in other if name not in own for row in by.rows("joint", name, "absent", "present")]
+    common = [(link, other[name]) for name, link in own.items() if name in other]
+    for mine, theirs in common:
+        rows += _joint(mine, theirs, wordless, by)
+    for mine, theirs in common:
+        rows += _mass(mine, theirs, by)
+    beside = bond_rows(a, b, by)
+    beside += [] if "shape" in wordless else shape_rows(a, b, by)
+    beside += [] if "touch" in wordless else touch_rows(a, b, by)
     if a.gravity is not None and b.gravity is not None:
-        size = float(np.linalg.norm(np.subtract(a.gravity, b.gravity)))
-        scale = max(float(np.linalg.norm(a.gravity)), _SMALLEST)
-        if size / scale > tolerance:
-            rows.append(
-                (
-                    Difference(
-                        quantity="gravity", element="", value_A=a.gravity, value_B=b.gravity, unit="m/s2", tolerance=tolerance,
-                        absolute=size, relative=size / scale, words="everything falls otherwise",
-                    ),
-                    None,
-                )
-            )  # fmt: skip
-    if not same_tree(a, b):
+        size, scale = float(np.linalg.norm(np.subtract(a.gravity, b.gravity))), float(np.linalg.norm(a.gravity))
+        words = "everything falls otherwise"
+        beside += by.rows("gravity", "", a.gravity, b.gravity, unit="m/s2", size=size, scale=scale, words=words)
+    rows += [(row, None) for row in beside]
+    partner = aligned(a, b)
+    if partner is None:
         why = "the trees differ, so that no motion of both can be compared"
         return [replace(row, words=row.words or why) for row, _ in rows]
-    b = _in_order(a, b)
-    states = drawn(a, b, seed)
-    if not a.joints:
+    if not own:
         return [row for row, _ in rows]
-    if "drive" not in a.wordless | b.wordless:
-        for k, (mine, other, first) in enumerate(zip(a.joints, b.joints, first_rates(a), strict=False)):
-            if mine.kind in ("revolute", "prismatic"):
-                rows += [(row, None) for row in drive_rows(mine, other, k, first, states, extent, tolerance)]
-    return [*_with_worth(a, gravity, states, rows), *_derived(a, b, gravity, states, tolerance)]
+    states = drawn(a, partner, seed)
+    if "drive" not in wordless:
+        for k, (joint, rate) in enumerate(zip(a.joints, first_rates(a), strict=False)):
+            if joint.kind in SCALAR:
+                rows += [(row, None) for row in _drive(joint, partner.joints[k], k, rate, states, by)]
+    return [*_with_worth(a, gravity, states, rows), *_derived(a, partner, gravity, states, by)]
 
 
 _COMPARED = (
@@ -130,7 +89,7 @@ _COMPARED = (
 NEVER = ("sensors", "looks", "how soft contacts are", "where it starts")
 
 
-def compared(a: RobotFacts, b: RobotFacts) -> tuple[list[str], list[str]]:
+def compared(a: Canonical, b: Canonical) -> tuple[list[str], list[str]]:
     """What `compare` looks at, and what it does not, each with who has no word for it."""
     looked_at, passed_over = [], []
     for subject, words in _COMPARED:
@@ -147,88 +106,77 @@ def compared(a: RobotFacts, b: RobotFacts) -> tuple[list[str], list[str]]:
     return looked_at, [*passed_over, *NEVER]
 
 
-def _in_order(a: RobotFacts, b: RobotFacts) -> RobotFacts:
-    return replace(b, joints=tuple(b.joint(joint.name) for joint in a.joints))
-
-
-def _extent(robot: RobotFacts) -> float:
-    points = [joint.anchor for joint in robot.joints] + [solid.centre for solid in robot.masses.values() if solid.mass > 0]
-    if not points:
-        return 1.0
-    size = float(np.linalg.norm(np.ptp(np.array(points), axis=0)))
+def _extent(robot: Canonical) -> float:
+    points = [joint.anchor for joint in robot.joints]
+    points += [link.solid.centre for link in robot.moving if link.solid is not None and link.solid.mass > 0]
+    size = float(np.linalg.norm(np.ptp(np.array(points), axis=0))) if points else 0.0
     return size if size > 0 else 1.0
 
 
-def _missing(quantity: Quantity, name: str, value_A: str, value_B: str, tolerance: float) -> Difference:
-    return Difference(quantity=quantity, element=name, value_A=value_A, value_B=value_B, unit="", tolerance=tolerance)
+@dataclass(frozen=True, slots=True)
+class Quantity:
+    """A number of a coordinate.
+
+    Terms: name: its field. units: of hinges and of slides. own: is it a force itself? changed: does A with B's value say what
+    it is worth? position: is it a value of the coordinate? words: the consequence.
+    """
+
+    name: str
+    units: tuple[str, str]
+    own: bool = False
+    changed: bool = False
+    position: bool = False
+    words: str = ""
 
 
-_SCALARS: tuple[tuple[Quantity, str, str], ...] = (
-    ("damping", "N m s/rad", "N s/m"),
-    ("stiffness", "N m/rad", "N/m"),
-    ("armature", "kg m2", "kg"),
-    ("friction_loss", "N m", "N"),
-    ("effort", "N m", "N"),
-    ("speed", "rad/s", "m/s"),
+QUANTITIES = (
+    Quantity("damping", ("N m s/rad", "N s/m"), changed=True),
+    Quantity("stiffness", ("N m/rad", "N/m"), changed=True),
+    Quantity("armature", ("kg m2", "kg"), changed=True),
+    Quantity("friction_loss", ("N m", "N"), own=True, words="dry friction holds or brakes the joint by as much more or less"),
+    Quantity("effort", ("N m", "N"), own=True, words="the motor of the joint may exert as much more or less"),
+    Quantity("speed", ("rad/s", "m/s"), words="at its bound the joint is elsewhere after a second by as many rad or m"),
+    Quantity("rest", ("rad", "m"), changed=True, position=True),
+    Quantity("lower", ("rad", "m"), position=True),
+    Quantity("upper", ("rad", "m"), position=True),
 )
-_OFFSETS: tuple[Quantity, ...] = ("rest", "lower", "upper")
 
 
-def _joint(
-    a: JointFacts, b: JointFacts, wordless: frozenset[str], extent: float, tolerance: float
-) -> list[tuple[Difference, Change | None]]:
-    rows: list[tuple[Difference, Change | None]] = []
-
-    def add(quantity: Quantity, value_A: Value, value_B: Value, unit: str, size: float | None, relative: float | None,
-            change: Change | None = None, words: str = "") -> None:  # fmt: skip
-        if relative is None or not relative <= tolerance:
-            own = size if quantity in ("friction_loss", "effort") else None  # these are forces themselves
-            row = Difference(
-                quantity=quantity, element=a.name, value_A=value_A, value_B=value_B, unit=unit, tolerance=tolerance,
-                absolute=size, relative=relative, torque=own, torque_unit="" if own is None else unit, words=words,
-            )  # fmt: skip
-            rows.append((row, change))
-
-    if a.kind != b.kind:
-        add("type", a.kind, b.kind, "", None, None)
-        return rows
+def _joint(a: Link, b: Link, wordless: frozenset[str], by: Yardstick) -> Rows:
+    mine, other = a.coordinate, b.coordinate
+    if mine.kind != other.kind:
+        return [(row, None) for row in by.rows("type", a.name, mine.kind, other.kind)]
     if a.parent != b.parent:
-        add("parent", a.parent, b.parent, "", None, None)
-        return rows
-    scalar, slides = a.kind in ("revolute", "prismatic"), a.kind == "prismatic"
+        return [(row, None) for row in by.rows("parent", a.name, a.parent, b.parent)]
+    rows: Rows = []
+    scalar, slides = mine.kind in SCALAR, mine.kind == "prismatic"
+
+    def with_B(field: str) -> Link:
+        return replace(a, coordinates=(replace(mine, **{field: getattr(other, field)}),))
+
     if scalar:
-        apart = float(np.linalg.norm(a.axis - b.axis))  # the angle, where it is small and both are unit vectors
-        add("axis", _numbers(a.axis), _numbers(b.axis), "", apart, apart, joint_changed(a.name, axis=b.axis))
-    if not slides and a.kind != "free":
-        gap = b.anchor - a.anchor
-        away = float(np.linalg.norm(gap - (gap @ a.axis) * a.axis if scalar else gap))
-        add("anchor", _numbers(a.anchor), _numbers(b.anchor), "m", away, away / extent, joint_changed(a.name, anchor=b.anchor))
-    for quantity, turning, sliding in _SCALARS:
-        x, y, unit = getattr(a, quantity), getattr(b, quantity), sliding if slides else turning
-        if quantity in wordless or x == y:
-            continue
-        if x is None or y is None:
-            add(quantity, x, y, unit, None, None, words=_BOUND_WORDS[quantity])
-            continue
-        size = abs(x - y)
-        change = joint_changed(a.name, **{quantity: y}) if quantity in ("damping", "stiffness", "armature") else None
-        add(quantity, x, y, unit, size, size / max(abs(x), abs(y), _SMALLEST), change, _BOUND_WORDS.get(quantity, ""))
-    for quantity in _OFFSETS:
-        x, y, unit = getattr(a, quantity), getattr(b, quantity), "m" if slides else "rad"
-        if quantity in wordless or x == y:
+        apart = float(np.linalg.norm(mine.axis - other.axis))  # the angle, where it is small and both are unit vectors
+        found = by.rows("axis", a.name, _numbers(mine.axis), _numbers(other.axis), size=apart)
+        rows += [(row, with_B("axis")) for row in found]
+    if not slides and mine.kind != "free":
+        gap = other.anchor - mine.anchor
+        away = float(np.linalg.norm(gap - (gap @ mine.axis) * mine.axis if scalar else gap))
+        points = _numbers(mine.anchor), _numbers(other.anchor)
+        found = by.rows("anchor", a.name, *points, unit="m", size=away, scale=by.extent)
+        rows += [(row, with_B("anchor")) for row in found]
+    for quantity in QUANTITIES:
+        x, y, unit = getattr(mine, quantity.name), getattr(other, quantity.name), quantity.units[slides]
+        if quantity.name in wordless or x == y:
             continue
         size = None if x is None or y is None else abs(x - y)
-        relative = None if size is None else size / (extent if slides else 1.0)
-        change = joint_changed(a.name, rest=y) if quantity == "rest" else None
-        add(quantity, x, y, unit, size, relative, change, "" if quantity == "rest" else _limit_words(x, y, unit))
+        scale = by.lengths(unit) if quantity.position else max(abs(x or 0.0), abs(y or 0.0))
+        words = _limit_words(x, y, unit) if quantity.name in ("lower", "upper") else quantity.words
+        torque, torque_unit = (size, unit) if quantity.own and size is not None else (None, "")
+        found = by.rows(
+            quantity.name, a.name, x, y, unit=unit, size=size, scale=scale, torque=torque, torque_unit=torque_unit, words=words
+        )
+        rows += [(row, with_B(quantity.name) if quantity.changed and size is not None else None) for row in found]
     return rows
-
-
-_BOUND_WORDS = {
-    "friction_loss": "dry friction holds or brakes the joint by as much more or less",
-    "effort": "the motor of the joint may exert as much more or less",
-    "speed": "at its bound the joint is elsewhere after a second by as many rad or m",
-}
 
 
 def _limit_words(x: float | None, y: float | None, unit: str) -> str:
@@ -241,56 +189,108 @@ def _numbers(v: Array) -> tuple[float, ...]:
     return tuple(float(x) for x in v)
 
 
-def _mass(
-    name: str, a: MassFacts | None, b: MassFacts | None, extent: float, tolerance: float
-) -> list[tuple[Difference, Change | None]]:
-    none = MassFacts(joint=name, members=(), mass=0.0, centre=np.zeros(3), inertia=np.zeros((3, 3)))
-    a, b = a or none, b or none
-    rows: list[tuple[Difference, Change | None]] = []
-
-    def add(quantity: Quantity, value_A: Value, value_B: Value, unit: str, size: float, scale: float, change: Change) -> None:
-        relative = size / max(scale, _SMALLEST)
-        if not relative <= tolerance:
-            members = ", ".join(a.members or b.members)
-            row = Difference(
-                quantity=quantity, element=f"what '{name}' moves: {members}", value_A=value_A, value_B=value_B, unit=unit,
-                tolerance=tolerance, absolute=size, relative=relative,
-            )  # fmt: skip
-            rows.append((row, change))
-
-    size = abs(a.mass - b.mass)
-    add("mass", a.mass, b.mass, "kg", size, a.mass or b.mass, mass_changed(name, mass=b.mass))
-    if a.mass > 0 and b.mass > 0:
-        away = float(np.linalg.norm(a.centre - b.centre))
-        add("centre", _numbers(a.centre), _numbers(b.centre), "m", away, extent, mass_changed(name, centre=b.centre))
-    moments = float(np.linalg.norm(a.inertia, 2)) or float(np.linalg.norm(b.inertia, 2))
-    apart = float(np.linalg.norm(a.inertia - b.inertia, 2))
-    scale = max(moments, a.mass * (extent / 100) ** 2)
-    add("inertia", _six(a.inertia), _six(b.inertia), "kg m2", apart, scale, mass_changed(name, inertia=b.inertia))
+def _drive(
+    a: Coordinate, b: Coordinate, index: int, rate: int, states: Sequence[Configuration], by: Yardstick
+) -> list[Difference]:
+    """Rows of one joint's drives, with the force that each is worth at the states. Args: index, rate: of the joint in them."""
+    mine, other = a.servo or Servo(), b.servo or Servo()
+    own, force = ("m", "N") if a.kind == "prismatic" else ("rad", "N m")
+    held = max(abs(mine.target - state.q[index]) for state in states)
+    swift = max(abs(mine.target_velocity - state.rates[rate]) for state in states)
+    rows = []
+    # Each number with what a change of it is times, to be a force on the joint.
+    for quantity, field, unit, times in (
+        ("drive stiffness", "stiffness", f"{force}/{own}", held),
+        ("drive damping", "damping", f"{force} s/{own}", swift),
+        ("drive target", "target", own, max(mine.stiffness, other.stiffness)),
+        ("drive rate", "target_velocity", f"{own}/s", max(mine.damping, other.damping)),
+        ("drive force", "feedforward", force, 1.0),
+        ("drive push", "push", force, 1.0),
+        ("drive limit", "limit", force, 1.0),
+    ):
+        x, y = getattr(mine, field), getattr(other, field)
+        if x == y or (field in ("target", "target_velocity") and times == 0):
+            continue
+        more: dict[str, Any] = {"unit": unit, "words": "one is bounded, the other is not"}
+        if x is not None and y is not None:
+            size, torque = abs(x - y), float(abs(x - y) * times)
+            more |= {"size": size, "scale": by.lengths(own) if field == "target" else max(abs(x), abs(y)), "torque": torque}
+            more |= {"torque_unit": force, "words": f"worth up to {torque:.3g} {force} at the states drawn"}
+        rows += by.rows(quantity, a.name, x, y, **more)
     return rows
 
 
-def _six(tensor: Array) -> tuple[float, ...]:
-    """xx, yy, zz, xy, xz, yz."""
-    places = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
-    return tuple(float(tensor[index]) for index in places)
+_NOTHING = Solid(0.0, np.zeros(3), np.zeros((3, 3)))
 
 
-def _with_worth(
-    a: RobotFacts, gravity: Array, states: list[Configuration], rows: list[tuple[Difference, Change | None]]
-) -> list[Difference]:
-    """The rows with what each is worth."""
-    if all(change is None for _, change in rows):
-        return [row for row, _ in rows]
-    of = reference(a, gravity, states)
+def _mass(a: Link, b: Link, by: Yardstick) -> Rows:
+    mine, other, rows = a.solid or _NOTHING, b.solid or _NOTHING, Rows()
+    assert mine.inertia is not None
+    assert other.inertia is not None
+    element = f"what '{a.name}' moves: {a.where or b.where}"
+
+    def add(quantity: str, x: "float | tuple[float, ...]", y: "float | tuple[float, ...]", unit: str, size: float,
+            scale: float) -> None:  # fmt: skip
+        changed = replace(a, solid=replace(mine, **{quantity: getattr(other, quantity)}))
+        rows.extend((row, changed) for row in by.rows(quantity, element, x, y, unit=unit, size=size, scale=scale))
+
+    add("mass", mine.mass, other.mass, "kg", abs(mine.mass - other.mass), mine.mass or other.mass)
+    if mine.mass > 0 and other.mass > 0:
+        away = float(np.linalg.norm(mine.centre - other.centre))
+        add("centre", _numbers(mine.centre), _numbers(other.centre), "m", away, by.extent)
+    moments = float(np.linalg.norm(mine.inertia, 2)) or float(np.linalg.norm(other.inertia, 2))
+    apart = float(np.linalg.norm(mine.inertia - other.inertia, 2))
+    scale = max(moments, mine.mass * (by.extent / 100) ** 2)
+    add("inertia", six(mine.inertia), six(other.inertia), "kg m2", apart, scale)
+    return rows
+
+
+Motions = list[tuple[Configuration, Array, Array]]
+"""States, each with the accelerations of all rates and the forces that they take."""
+
+
+def motions_of(robot: Canonical, gravity: Array, states: Sequence[Configuration], seed: int = 0) -> Motions:
+    """The robot as it moves by itself, where all its coordinates have inertia, and in a sweep of all its joints.
+
+    In the sweep each joint is anywhere within a sine of SWEEP whose rate comes to 1 rad/s or m/s, or its bound: what gravity
+    alone does not excite, a rotor about an upright axis say, counts too.
+    """
+    rng = np.random.default_rng(seed)
+    speeds = np.repeat([min(1.0, joint.speed or 1.0) for joint in robot.joints], np.diff(first_rates(robot)))
+    motions = []
+    for state in states:
+        M, forces = passive(robot, state, gravity)
+        with suppress(np.linalg.LinAlgError):
+            free = _solved(M, forces)
+            motions.append((state, free, M @ free + forces))
+        for swing in (0.0, np.pi / 2):
+            phase = rng.choice((0.0, np.pi), len(speeds)) + swing
+            swept = Configuration(state.q, state.turned, speeds * np.cos(phase))
+            M, forces = passive(robot, swept, gravity)
+            pushed: Array = SWEEP * speeds * np.sin(phase)
+            motions.append((swept, pushed, M @ pushed + forces))
+    return motions
+
+
+def _with_worth(a: Canonical, gravity: Array, states: list[Configuration], rows: Rows) -> list[Difference]:
+    """The rows with what each is worth: the largest torque that a change takes, at the worst of the motions and joints."""
+    motions = motions_of(a, gravity, states) if any(changed is not None for _, changed in rows) else []
     worthy = []
-    for row, change in rows:
-        if change is not None:
-            torque, unit = worth(of, change)
+    for row, changed in rows:
+        if changed is not None:
+            other = replace(a, links=tuple(changed if link.name == changed.name else link for link in a.links))
+            terms = [(passive(other, state, gravity), pushed, taken) for state, pushed, taken in motions]
+            most = np.max([np.abs(M @ pushed + forces - taken) for (M, forces), pushed, taken in terms], axis=0)
+            torque, unit = float(most.max()), _UNITS[a.joints[_joint_at(a, int(np.argmax(most)))].kind]
             words = f"worth up to {torque:.3g} {unit} at the states drawn and in a sweep of all joints"
             row = replace(row, torque=torque, torque_unit=unit, words=words)
         worthy.append(row)
     return worthy
+
+
+def _joint_at(robot: Canonical, rate: int) -> int:
+    """The joint that a rate is of."""
+    return int(np.searchsorted(first_rates(robot), rate, side="right")) - 1
 
 
 def _solved(M: Array, forces: Array) -> Array:
@@ -298,25 +298,18 @@ def _solved(M: Array, forces: Array) -> Array:
     return acceleration
 
 
-def _derived(a: RobotFacts, b: RobotFacts, gravity: Array, states: list[Configuration], tolerance: float) -> list[Difference]:
+def _derived(a: Canonical, b: Canonical, gravity: Array, states: list[Configuration], by: Yardstick) -> list[Difference]:
     """Gravity torques, mass matrix and accelerations at the states: the worst joint of each."""
-    starts = first_rates(a)
+    worst: dict[str, tuple[float, float, float, float, int]] = {}
 
-    def named(rate: int) -> str:
-        return a.joints[int(np.searchsorted(starts, rate, side="right")) - 1].name
-
-    worst: dict[Quantity, tuple[float, float, float, float, int]] = {}
-
-    def hold(quantity: Quantity, x: Array, y: Array, scale: "float | Array", judged: Array | None = None) -> None:
+    def hold(quantity: str, x: Array, y: Array, scale: "float | Array", judged: Array | None = None) -> None:
         apart = np.abs(x - y)
         relative = (apart if judged is None else np.abs(judged)) / np.maximum(scale, _SMALLEST)
         k = int(np.argmax(relative))
-        held = (float(relative[k]), float(apart[k]), float(x[k]), float(y[k]), k)
-        if quantity not in worst or held[0] > worst[quantity][0]:
-            worst[quantity] = held
+        if quantity not in worst or relative[k] > worst[quantity][0]:
+            worst[quantity] = (float(relative[k]), float(apart[k]), float(x[k]), float(y[k]), k)
 
-    weight = sum(solid.mass for solid in a.masses.values()) * float(np.linalg.norm(gravity))
-    least = weight * _extent(a) / 1000
+    least = a.weight * float(np.linalg.norm(gravity)) * by.extent / 1000
     for state in states:
         rest = Configuration(state.q, state.turned, np.zeros_like(state.rates))
         tau_A, tau_B = (dynamics(robot, rest, gravity).bias for robot in (a, b))
@@ -332,12 +325,13 @@ def _derived(a: RobotFacts, b: RobotFacts, gravity: Array, states: list[Configur
             continue
         forces = max(least, float(np.abs(f_A).max()), float((np.abs(M_A) @ np.abs(a_A)).max()))
         hold("acceleration", a_A, a_B, forces, M_A @ (a_A - a_B))
-    units: dict[Quantity, str] = {"gravity torque": "N m or N", "mass matrix": "SI", "acceleration": "rad/s2 or m/s2"}
+    units = {"gravity torque": "N m or N", "mass matrix": "SI", "acceleration": "rad/s2 or m/s2"}
     return [
         Difference(
-            quantity=quantity, element=named(k), value_A=x, value_B=y, unit=units[quantity], tolerance=tolerance,
-            absolute=size, relative=relative, words="follows from the rows above, at the worst of the states drawn",
+            quantity=quantity, element=a.joints[_joint_at(a, k)].name, value_A=x, value_B=y, unit=units[quantity],
+            tolerance=by.tolerance, absolute=size, relative=relative,
+            words="follows from the rows above, at the worst of the states drawn",
         )
         for quantity, (relative, size, x, y, k) in worst.items()
-        if not relative <= tolerance
+        if not relative <= by.tolerance
     ]  # fmt: skip

@@ -1,4 +1,4 @@
-"""Joint-space dynamics of a robot of facts: inertia, gravity and passive accelerations in W.
+"""Joint-space dynamics of a robot in canonical form: inertia, gravity and passive accelerations in W, and states to look at.
 
 The displacement of what a joint moves is a product of exponentials of the lines at the zero configuration; accelerations are
 those of Newton and Euler, limits and dry friction left out.
@@ -11,7 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from plumbline.harness.scene.importers.poses import Array, Pose
-from plumbline.harness.scene.parity.facts import FIXED, RobotFacts
+from plumbline.harness.scene.importers.robot import Coordinate
+from plumbline.harness.scene.parity.canonical import FIXED, SCALAR, Canonical
 
 _SIZE = {"revolute": 1, "prismatic": 1, "ball": 3, "free": 6}
 
@@ -33,7 +34,7 @@ class Dynamics:
     bias: Array
 
 
-def first_rates(robot: RobotFacts) -> list[int]:
+def first_rates(robot: Canonical) -> list[int]:
     """The first rate of each joint, and the number of all."""
     return [0, *np.cumsum([_SIZE[joint.kind] for joint in robot.joints]).tolist()]
 
@@ -63,20 +64,18 @@ class _Tree:
     inertia: Array
 
 
-def _tree(robot: RobotFacts) -> _Tree:
-    starts, count = first_rates(robot), len(robot.joints)
-    rows = {joint.name: k for k, joint in enumerate(robot.joints)}
-    parents = [-1 if joint.parent == FIXED else rows[joint.parent] for joint in robot.joints]
+def _tree(robot: Canonical) -> _Tree:
+    links, joints, starts = robot.moving, robot.joints, first_rates(robot)
+    rows, count = {link.name: k for k, link in enumerate(links)}, len(links)
+    parents = [-1 if link.parent in (None, FIXED) else rows[link.parent] for link in links]
     before, owns = np.eye(count), np.zeros((count, starts[-1]))
     for k, parent in enumerate(parents):
         owns[k, starts[k] : starts[k + 1]] = 1.0
         if parent >= 0:
             before[k] += before[parent]
-    axes = np.array([joint.axis for joint in robot.joints]).reshape(count, 3)
-    hinges = np.array([float(joint.kind == "revolute") for joint in robot.joints])
-    slides = np.array([float(joint.kind == "prismatic") for joint in robot.joints])
-    solids = [robot.masses[joint.name] for joint in robot.joints if joint.name in robot.masses]
-    solids = [solid for solid in solids if solid.mass > 0]
+    axes = np.array([joint.axis for joint in joints]).reshape(count, 3)
+    massive = {k: link.solid for k, link in enumerate(links) if link.solid is not None and link.solid.mass > 0}
+    solids = massive.values()
     lengths = np.linalg.norm(axes, axis=1, keepdims=True)
     return _Tree(
         starts=starts,
@@ -86,10 +85,10 @@ def _tree(robot: RobotFacts) -> _Tree:
         before=before,
         axes=axes,
         unit=axes / np.where(lengths > 0, lengths, 1.0),
-        anchors=np.array([joint.anchor for joint in robot.joints]).reshape(count, 3),
-        hinges=hinges,
-        slides=slides,
-        bodies=[rows[solid.joint] for solid in solids],
+        anchors=np.array([joint.anchor for joint in joints]).reshape(count, 3),
+        hinges=np.array([float(joint.kind == "revolute") for joint in joints]),
+        slides=np.array([float(joint.kind == "prismatic") for joint in joints]),
+        bodies=list(massive),
         mass=np.array([solid.mass for solid in solids]),
         centre=np.array([solid.centre for solid in solids]).reshape(-1, 3),
         inertia=np.array([solid.inertia for solid in solids]).reshape(-1, 3, 3),
@@ -112,7 +111,7 @@ def _crossed(a: Array, b: Array) -> Array:
     return np.asarray((_hat(a) @ b[..., None])[..., 0])
 
 
-def _lines(robot: RobotFacts, tree: _Tree, at: Configuration) -> tuple[Array, Array, Array]:
+def _lines(robot: Canonical, tree: _Tree, at: Configuration) -> tuple[Array, Array, Array]:
     """R (N, 3, 3) and p (N, 3) of each joint's displacement in W, and the twists S (6, n) of its rates about W's origin."""
     angle, K = at.q * tree.hinges, _hat(tree.unit)
     steps = np.eye(3) + np.sin(angle)[:, None, None] * K + (1 - np.cos(angle))[:, None, None] * (K @ K)
@@ -146,7 +145,7 @@ def _lines(robot: RobotFacts, tree: _Tree, at: Configuration) -> tuple[Array, Ar
 _UNTURNED, _NOWHERE = np.eye(3), np.zeros(3)
 
 
-def dynamics(robot: RobotFacts, at: Configuration, gravity: Array) -> Dynamics:
+def dynamics(robot: Canonical, at: Configuration, gravity: Array) -> Dynamics:
     """Inertia and bias forces at a configuration with rates."""
     tree = _tree(robot)
     R, p, S = _lines(robot, tree, at)
@@ -177,7 +176,7 @@ def dynamics(robot: RobotFacts, at: Configuration, gravity: Array) -> Dynamics:
     return Dynamics(M, bias)
 
 
-def passive(robot: RobotFacts, at: Configuration, gravity: Array) -> tuple[Array, Array]:
+def passive(robot: Canonical, at: Configuration, gravity: Array) -> tuple[Array, Array]:
     """Mass matrix with armature, and the forces that decelerate: bias, dampers and springs; M qdd = -forces."""
     terms, starts = dynamics(robot, at, gravity), first_rates(robot)
     M, forces = terms.M, terms.bias.copy()
@@ -185,6 +184,48 @@ def passive(robot: RobotFacts, at: Configuration, gravity: Array) -> tuple[Array
         here = slice(starts[k], starts[k + 1])
         M.flat[starts[k] * (len(M) + 1) : starts[k + 1] * (len(M) + 1) : len(M) + 1] += joint.armature
         forces[here] += joint.damping * at.rates[here]
-        if joint.kind in ("revolute", "prismatic"):
+        if joint.kind in SCALAR:
             forces[here] += joint.stiffness * (at.q[k] - joint.rest)
     return M, forces
+
+
+COUNT = 10
+"""States at which two robots are looked at."""
+_OPEN = {"revolute": np.pi, "prismatic": 0.5}
+"""Half of the range of a joint without limits [rad, m]."""
+
+
+def drawn(a: Canonical, b: Canonical, seed: int, count: int = COUNT) -> list[Configuration]:
+    """States of the joints of A: uniform inside the limits of A and B, rates within 1 rad/s or m/s and both bounds of speed.
+
+    Balls and free joints are drawn in their rates alone; where the two ranges do not meet, A's is taken.
+    """
+    rng = np.random.default_rng(seed)
+    partners = {joint.name: joint for joint in b.joints}
+    pairs = [(joint, partners.get(joint.name, joint)) for joint in a.joints]
+    ranges = np.array([_range(*pair) for pair in pairs]).reshape(-1, 2)
+    speeds = np.array([min([1.0, *(joint.speed for joint in pair if joint.speed is not None)]) for pair in pairs])
+    starts = first_rates(a)
+    states = []
+    for _ in range(count):
+        q = rng.uniform(ranges[:, 0], ranges[:, 1])
+        states.append(Configuration(q, {}, rng.uniform(-1.0, 1.0, starts[-1]) * np.repeat(speeds, np.diff(starts))))
+    return states
+
+
+def _range(a: Coordinate, b: Coordinate) -> tuple[float, float]:
+    if a.kind not in _OPEN:
+        return 0.0, 0.0
+    half = _OPEN[a.kind]
+
+    def bounds(*joints: Coordinate) -> tuple[float, float]:
+        lower = max((j.lower for j in joints if j.lower is not None), default=None)
+        upper = min((j.upper for j in joints if j.upper is not None), default=None)
+        if lower is None:
+            lower = -half if upper is None else upper - 2 * half
+        return max(lower, -1e3), min(lower + 2 * half if upper is None else upper, 1e3)
+
+    low, high = bounds(a, b)
+    if low > high:
+        low, high = bounds(a)
+    return (low, high) if low <= high else (0.0, 0.0)

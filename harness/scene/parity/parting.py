@@ -8,10 +8,9 @@ import numpy as np
 
 from plumbline.harness.intake.error import RobotError, listed
 from plumbline.harness.intake.safe_text import quoted
-from plumbline.harness.scene.importers.commands import Log, read_log
 from plumbline.harness.scene.importers.poses import Array
-from plumbline.harness.scene.importers.replay import near_miss, timed
-from plumbline.harness.scene.parity.facts import RobotFacts
+from plumbline.harness.scene.importers.replay import Log, near_miss, read_log, timed
+from plumbline.harness.scene.parity.canonical import SCALAR, Canonical
 from plumbline.harness.scene.parity.motion import Configuration, dynamics, first_rates
 
 DT = 2.5e-4
@@ -20,7 +19,6 @@ PARTED = 1e-3
 """Distance of a joint [rad or m] at which two robots have parted: what sensors of joints resolve."""
 MOVES = ("drop", "sines")
 """Commands by name: no torque at all; a sinusoid at every joint."""
-_SCALAR = ("revolute", "prismatic")
 _SLOWEST, _GOLDEN = 0.5, (5**0.5 - 1) / 2
 
 
@@ -56,7 +54,7 @@ class Parting:
 
 def motion_of(
     name: str,
-    robot: RobotFacts,
+    robot: Canonical,
     at: Configuration,
     gravity: Array,
     duration: float,
@@ -79,9 +77,9 @@ def motion_of(
     torques = np.zeros((len(times), len(robot.joints)))
     if name == "sines" and not replay:
         weights = np.abs(dynamics(robot, Configuration(at.q, at.turned, np.zeros_like(at.rates)), gravity).bias)
-        least = 0.01 * sum(solid.mass for solid in robot.masses.values()) * float(np.linalg.norm(gravity))
+        least = 0.01 * robot.weight * float(np.linalg.norm(gravity))
         for k, (joint, first) in enumerate(zip(robot.joints, first_rates(robot), strict=False)):
-            if joint.kind in _SCALAR:
+            if joint.kind in SCALAR:
                 bound = np.inf if joint.effort is None else joint.effort / 2
                 frequency = _SLOWEST * (1 + (k * _GOLDEN) % 1)
                 size = min(max(float(weights[first]), least), bound)
@@ -96,9 +94,9 @@ def motion_of(
 
 
 def _fill(
-    torques: Array, times: Array, log: Log, stamps: Array, robot: RobotFacts, *, moving: tuple[str, ...], held: bool
+    torques: Array, times: Array, log: Log, stamps: Array, robot: Canonical, *, moving: tuple[str, ...], held: bool
 ) -> None:
-    places = {joint.name: k for k, joint in enumerate(robot.joints) if joint.kind in _SCALAR}
+    places = {joint.name: k for k, joint in enumerate(robot.joints) if joint.kind in SCALAR}
     for (name, quantity), values in log.columns.items():
         if name not in places:
             raise RobotError(f"{log.source}: column {quoted(name, 80)} is no joint of the file{near_miss(name, list(places))}")
@@ -111,11 +109,11 @@ def _fill(
             torques[:, places[name]] = np.interp(times, stamps, values)
 
 
-def parting(robot: RobotFacts, a: Array, b: Array) -> Parting:
+def parting(robot: Canonical, a: Array, b: Array) -> Parting:
     """When two motions part. Args: a, b (samples, joints, 4): as `Adapter.move_robot` gives them, DT apart."""
     apart = np.empty(a.shape[:2])
     for k, joint in enumerate(robot.joints):
-        if joint.kind in _SCALAR:
+        if joint.kind in SCALAR:
             apart[:, k] = np.abs(a[:, k, 0] - b[:, k, 0])
         else:
             sine = np.minimum(np.linalg.norm(a[:, k] - b[:, k], axis=-1), np.linalg.norm(a[:, k] + b[:, k], axis=-1)) / 2
@@ -139,5 +137,5 @@ def parting(robot: RobotFacts, a: Array, b: Array) -> Parting:
     )  # fmt: skip
 
 
-def _units(robot: RobotFacts) -> Mapping[str, str]:
+def _units(robot: Canonical) -> Mapping[str, str]:
     return {joint.name: "m" if joint.kind == "prismatic" else "rad" for joint in robot.joints}

@@ -5,7 +5,7 @@ omission changes is a number then (`harness.search.refined_ladder`).
 """
 
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import asdict, replace
 from itertools import chain, combinations
 from pathlib import Path
 from typing import Literal
@@ -22,6 +22,7 @@ from plumbline.harness.scene.importers.reading import imported, robot_of
 from plumbline.harness.scene.importers.robot import Robot as FileRobot
 from plumbline.harness.scene.importers.settling import wordless_kinds
 from plumbline.harness.store.imported_scenes import keep
+from plumbline.harness.store.record import checked
 from plumbline.harness.store.zoo_record import InEngine, Stage, ZooEntry
 from plumbline.harness.study import plugins
 from plumbline.harness.study.environments import elsewhere, project_folders
@@ -128,7 +129,7 @@ def take_in(folder: Path, robot: ZooRobot, engines: Sequence[str], key: str) -> 
         return replace(about, stage="not read", reason=str(error))
     if stage != "in":
         return replace(about, stage=stage, reason=str(fields["reason"]))
-    return ZooEntry.of({**about.plain(), "stage": "in", **fields})
+    return checked(ZooEntry, {**asdict(about), "stage": "in", **fields}, "robot of a zoo")
 
 
 def unread(robot: ZooRobot, key: str) -> ZooEntry:
@@ -166,7 +167,7 @@ def read_apart(folder: Path, robot: ZooRobot, engines: Sequence[str]) -> tuple[S
         "scenario": scenario,
         "needed": sorted(needed),
         "dropped": sorted(dropped),
-        "engines": [each.plain() for each in verdicts],
+        "engines": [asdict(each) for each in verdicts],
         "bodies": sum(body.movable for body in taken.scene.bodies),
         "joints": len(taken.scene.joints),
     }

@@ -4,13 +4,14 @@ import os
 import sys
 from collections.abc import Callable, Mapping
 from functools import cache, wraps
-from inspect import Parameter, formatannotation, signature
+from inspect import Parameter, signature
 from os import PathLike
 from typing import Any, TypeVar, get_type_hints
 
 import numpy as np
 from pydantic import ConfigDict, TypeAdapter, ValidationError
 
+from plumbline.api.signatures import words
 from plumbline.harness.intake.error import PlumblineError
 from plumbline.harness.intake.safe_text import quoted
 
@@ -26,7 +27,7 @@ def _forms(function: Callable[..., Any]) -> Mapping[str, tuple[TypeAdapter[Any],
     """By argument, what checks it and what it is called; those behind ** are checked where they are read."""
     hints, loose = get_type_hints(function), ConfigDict(arbitrary_types_allowed=True)
     named = [each.name for each in signature(function).parameters.values() if each.kind is not Parameter.VAR_KEYWORD]
-    return {name: (_form(hints[name], loose), formatannotation(hints[name])) for name in named}
+    return {name: (_form(hints[name], loose), words(hints[name])) for name in named}
 
 
 def _form(hint: Any, loose: ConfigDict) -> TypeAdapter[Any]:
@@ -58,7 +59,7 @@ def checked(function: Call) -> Call:
             try:
                 form.validate_python(bound.arguments[name], strict=True)
             except ValidationError:
-                raise ArgumentError(f"{function.__name__}: {name}: {quoted(value)}, expected {_short(kind)}") from None
+                raise ArgumentError(f"{function.__name__}: {name}: {quoted(value)}, expected {kind}") from None
         try:
             return function(*bound.args, **bound.kwargs)
         except PlumblineError as error:
@@ -78,13 +79,3 @@ def within(name: str, value: float | None, low: float, high: float) -> None:
     """Refuse a number outside of low..high; None is none. Raises: ArgumentError."""
     if value is not None and not low <= value <= high:
         raise ArgumentError(f"{name}: {value:g}, expected {low:g} to {high:g}")
-
-
-def _short(kind: str) -> str:
-    """A kind without the rooms that its names lie in: 'Scene | Path | str'."""
-    return " | ".join(each.rpartition(".")[2] if "[" not in each else _inner(each) for each in kind.split(" | "))
-
-
-def _inner(kind: str) -> str:
-    head, _, rest = kind.partition("[")
-    return f"{head.rpartition('.')[2]}[{rest}"

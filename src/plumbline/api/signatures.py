@@ -20,16 +20,16 @@ def readable(value: Any) -> inspect.Signature:
 
 
 def _shown(annotation: Any) -> Any:
-    return annotation if annotation is inspect.Parameter.empty else _Text(_words(annotation))
+    return annotation if annotation is inspect.Parameter.empty else _Text(words(annotation))
 
 
-def _words(annotation: Any) -> str:
+def words(annotation: Any) -> str:
     """'tuple[float, float, float]', 'Box | Sphere | None'."""
     origin, args = get_origin(annotation), get_args(annotation)
     if origin in (Annotated, Unpack):
-        return _words(args[0])
+        return words(args[0])
     if origin in (Union, types.UnionType):
-        return " | ".join(map(_words, args))
+        return " | ".join(map(words, args))
     if origin is Literal:
         return " | ".join(map(repr, args))
     if annotation in (None, type(None)):
@@ -37,5 +37,5 @@ def _words(annotation: Any) -> str:
     if annotation is Ellipsis:
         return "..."
     if origin is not None and args:
-        return f"{_words(origin)}[{', '.join(map(_words, args))}]"
+        return f"{words(origin)}[{', '.join(map(words, args))}]"
     return str(getattr(annotation, "__name__", annotation))

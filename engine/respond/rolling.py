@@ -1,12 +1,13 @@
-"""Surfaces along which contact points roll, and do not turn with the body: round shapes, and the rims of tilted cylinders."""
+"""Surfaces along which contact points roll, and do not turn with the body: round shapes, rims of cylinders, ellipsoids."""
 
 import math
 from typing import NamedTuple
 
 from plumbline.engine.compile.jit import kernel
-from plumbline.engine.maths.rows import Floats, Ints, Vec, load3
-from plumbline.engine.maths.vec import axpy, dot, norm, scale, sub
+from plumbline.engine.maths.rows import Floats, Ints, Mat, Vec, load3, load4
+from plumbline.engine.maths.vec import add, axpy, dot, mat_vec, norm, quat_mat, scale, sub, tmat_vec
 from plumbline.engine.memory import arena as at
+from plumbline.engine.narrow.support import ellipsoid_support
 
 UPRIGHT = 1e-3
 """Sine of a cylinder's tilt [1] below which it stands, and no point of its rim is the lowest; as in the narrow phase."""
@@ -59,3 +60,21 @@ def rolls_on(rim: Rim, place: Vec) -> bool:
     off = axpy(-rim.radius, rim.lowest, axpy(-dot(way, rim.axis), rim.axis, way))
     near = ON_RIM * rim.radius
     return rim.radius > 0.0 and dot(off, off) < near * near
+
+
+ON_ELLIPSOID = 2.0
+"""In the column of rims: at least one of the two shapes is an ellipsoid, and the manifold a single point."""
+
+
+@kernel
+def is_ellipsoid(shape_kind: Ints, a: int, b: int) -> bool:
+    """Whether one of two shapes is an ellipsoid."""
+    return bool(shape_kind[a, at.TYPE] == at.ELLIPSOID or shape_kind[b, at.TYPE] == at.ELLIPSOID)
+
+
+@kernel
+def farthest(shape: Floats, s: int, r_WB: Mat, n: Vec) -> Vec:
+    """The point of ellipsoid s farthest along n, from its body's centre of mass, in W [m]."""
+    m = quat_mat(load4(shape, s, at.TURN))
+    spot = mat_vec(m, ellipsoid_support(load3(shape, s, at.SIZE), tmat_vec(m, tmat_vec(r_WB, n))))
+    return mat_vec(r_WB, add(load3(shape, s, at.OFFSET), spot))

@@ -4,8 +4,8 @@
 
 with p = M(q) q'. What is linear in p or of second degree in p and q is kept to round-off where nothing acts on it, so momentum
 and angular momentum about any point. The equation is solved by Newton's method with the mass matrix alone, whose rounds make
-the error smaller by about h/2 times the angular velocities and are mixed (`mixing`): fewer do, and some where that is no share.
-Springs and drives are in it, limits act at the end of the step.
+the error smaller by about h/2 times the angular velocities; where that is no share, its rounds are mixed (`mixing`). Springs
+and drives are in it, limits act at the end of the step.
 
 Source: Hairer, Lubich, Wanner, Geometric Numerical Integration, sections II.1.1, V.1 and VI.4.2 (theorem 4.2).
 """
@@ -34,8 +34,11 @@ from plumbline.engine.memory.tables import Bodies, Joints
 ROUND_OFF = 1e-11
 """The change of a rate, as a share of the largest one, that ends the rounds: what it leaves is smaller again by a round."""
 
+PLAIN_ROUNDS = 20
+"""Some eight are needed where h times the angular velocities is small; where one changes more than the last, none will do."""
+
 MOST_ROUNDS = 100
-"""Some five are needed where h times the angular velocities is small; more than these where the step is far too long."""
+"""Of those that are mixed; more are needed where the step is far too long."""
 
 
 @kernel
@@ -80,6 +83,14 @@ def change_middle(tables: Tables, joints: Joints, h: float) -> tuple[float, floa
 
 
 @kernel
+def guess_middle(tables: Tables) -> None:
+    """Write the rates from which rounds begin: those of the start, changed as they were in the last step."""
+    column, kept = tables.column, tables.stage_rate
+    for k in range(column.shape[0]):
+        column[k, tree.RATE] = kept[k, tree.KEPT_RATE] + kept[k, tree.KEPT_CHANGE]
+
+
+@kernel
 def refine_middle(
     tables: Tables, bodies: Bodies, joints: Joints, setting: Floats, h: float, gyroscopic: int, breaks: int
 ) -> tuple[float, float]:
@@ -93,20 +104,14 @@ def refine_middle(
 
 
 @kernel
-def find_middle(tables: Tables, bodies: Bodies, joints: Joints, setting: Floats, h: float, gyroscopic: int) -> bool:
-    """Write the rates of the middle, whose bases are there already, by mixed rounds. Returns: whether they were found."""
-    stage, column = tables.stage, tables.column
+def mix_rounds(tables: Tables, bodies: Bodies, joints: Joints, setting: Floats, h: float, gyroscopic: int, breaks: int) -> bool:
+    """Write the rates of the middle by rounds that are mixed. Returns: whether they were found."""
+    column = tables.column
     past, answer = np.empty((4, DEPTH + 1, column.shape[0])), np.empty(column.shape[0])
     guess, step = past[0], past[1]
-    breaks = write_laws(tables, joints, 0.5 * h, SMOOTH)
-    for i in range(stage.shape[0]):
-        for c in range(7):
-            stage[i, c] = tables.coordinate[i, c]
-    for k in range(column.shape[0]):
-        # Those of the start, changed as they were in the last step.
-        column[k, tree.RATE] = tables.stage_rate[k, tree.KEPT_RATE] + tables.stage_rate[k, tree.KEPT_CHANGE]
+    guess_middle(tables)
     for done in range(MOST_ROUNDS):
-        for row in range(min(done, DEPTH), 0, -1):
+        for row in range(DEPTH, 0, -1):
             guess[row, :], step[row, :] = guess[row - 1], step[row - 1]
         for k in range(column.shape[0]):
             guess[0, k] = column[k, tree.RATE]
@@ -121,6 +126,26 @@ def find_middle(tables: Tables, bodies: Bodies, joints: Joints, setting: Floats,
         for k in range(column.shape[0]):
             column[k, tree.RATE] = answer[k]
     return False
+
+
+@kernel
+def find_middle(tables: Tables, bodies: Bodies, joints: Joints, setting: Floats, h: float, gyroscopic: int) -> bool:
+    """Write the rates of the middle, whose bases are there already. Returns: whether they were found."""
+    stage = tables.stage
+    breaks = write_laws(tables, joints, 0.5 * h, SMOOTH)
+    for i in range(stage.shape[0]):
+        for c in range(7):
+            stage[i, c] = tables.coordinate[i, c]
+    guess_middle(tables)
+    last = math.inf
+    for _ in range(PLAIN_ROUNDS):
+        change, rate = refine_middle(tables, bodies, joints, setting, h, gyroscopic, breaks)
+        if change <= ROUND_OFF * rate:
+            return True
+        if not change < last:
+            break
+        last = change
+    return mix_rounds(tables, bodies, joints, setting, h, gyroscopic, breaks)
 
 
 @kernel

@@ -39,7 +39,7 @@ SLOWEST = 1e-3
 """Rates [rad/s or m/s] are taken as at least this large: at a tolerance of 1e-12, what is less of their error is round-off."""
 
 
-class Forest(NamedTuple):
+class Trees(NamedTuple):
     """The trees of a world under their loads, and what a step goes back to.
 
     Terms: ends: as `ends_with_laws`; base (n, 7), carried (joints, 6): the bases' poses and the joints' reactions at its start.
@@ -123,10 +123,10 @@ def scatter(tables: Tables, y: Floats, row: int) -> None:
 
 
 @kernel
-def forest_of(tables: Tables, bodies: Bodies, joints: Joints, setting: Floats, gyroscopic: int) -> Forest:
+def trees_of(tables: Tables, bodies: Bodies, joints: Joints, setting: Floats, gyroscopic: int) -> Trees:
     """The trees of a world."""
     base, carried = np.zeros((tables.other.shape[0], POSE)), np.zeros((joints.joint.shape[0], 6))
-    return Forest(tables, bodies, joints, setting, gyroscopic, ends_with_laws(tables, joints), base, carried)
+    return Trees(tables, bodies, joints, setting, gyroscopic, ends_with_laws(tables, joints), base, carried)
 
 
 @kernel
@@ -136,35 +136,35 @@ def room_for_trials(tables: Tables, stages: int) -> Trial:
 
 
 @kernel
-def begin(forest: Forest, trial: Trial) -> None:
+def begin(trees: Trees, trial: Trial) -> None:
     """Note coordinates, rates, poses of bases and reactions as they are."""
-    tables, bodies, joints = forest.tables, forest.bodies, forest.joints
+    tables, bodies, joints = trees.tables, trees.bodies, trees.joints
     gather(tables, trial.y, 0)
     for n in range(tables.other.shape[0]):
         for c in range(POSE):
-            forest.base[n, c] = bodies.state[tables.other[n, 0], c]
-    for j in range(forest.carried.shape[0]):
+            trees.base[n, c] = bodies.state[tables.other[n, 0], c]
+    for j in range(trees.carried.shape[0]):
         for c in range(6):
-            forest.carried[j, c] = joints.joint[j, at.REACTION + c]
+            trees.carried[j, c] = joints.joint[j, at.REACTION + c]
 
 
 @kernel
-def bases_at(forest: Forest, h: float) -> None:
+def bases_at(trees: Trees, h: float) -> None:
     """Put the bases where they are h seconds after the step's start."""
-    tables, bodies = forest.tables, forest.bodies
+    tables, bodies = trees.tables, trees.bodies
     for n in range(tables.other.shape[0]):
         for c in range(POSE):
-            bodies.state[tables.other[n, 0], c] = forest.base[n, c]
+            bodies.state[tables.other[n, 0], c] = trees.base[n, c]
     carry_bases(tables, bodies, h)
 
 
 @kernel
-def find_accelerations(forest: Forest) -> None:
+def find_accelerations(trees: Trees) -> None:
     """Write the accelerations at the present coordinates and rates."""
-    move_links(forest.tables, forest.bodies.state)
-    push_columns(forest.tables, forest.joints)
-    load_links(forest.tables, forest.bodies, forest.setting, forest.gyroscopic)
-    accelerations(forest.tables, True)
+    move_links(trees.tables, trees.bodies.state)
+    push_columns(trees.tables, trees.joints)
+    load_links(trees.tables, trees.bodies, trees.setting, trees.gyroscopic)
+    accelerations(trees.tables, True)
 
 
 @kernel
@@ -186,33 +186,33 @@ def write_slope(tables: Tables, k: Floats, stage: int) -> None:
 
 
 @kernel
-def go_through_stages(h: float, method: Floats, forest: Forest, trial: Trial) -> None:
+def go_through_stages(h: float, method: Floats, trees: Trees, trial: Trial) -> None:
     """Go on by h from y, where accelerations are known, to its end, counting what joints carry.
 
     Args: method: as `RK4`. Where there are as many slopes as rows, the end has one as well.
     """
-    tables, k, a, last = forest.tables, trial.k, method, method.shape[0] - 1
+    tables, k, a, last = trees.tables, trial.k, method, method.shape[0] - 1
     write_slope(tables, k, 0)
-    add_reactions(tables, forest.joints, h * a[last, 0])
+    add_reactions(tables, trees.joints, h * a[last, 0])
     for i in range(1, last + 1):
         explicit.go_to_stage(trial, method, i, h)
         scatter(tables, trial.y, 1)
-        bases_at(forest, a[i, a.shape[1] - 1] * h)
+        bases_at(trees, a[i, a.shape[1] - 1] * h)
         if i < k.shape[0]:
-            find_accelerations(forest)
+            find_accelerations(trees)
             if i < last:
-                add_reactions(tables, forest.joints, h * a[last, i])
+                add_reactions(tables, trees.joints, h * a[last, i])
             write_slope(tables, k, i)
 
 
 @kernel
-def act_at_end(h: float, forest: Forest) -> bool:
+def act_at_end(h: float, trees: Trees) -> bool:
     """Let limits, and what is too stiff for stages, change the rates after a step h. Returns: whether laws had an answer."""
-    tables, bodies, joints = forest.tables, forest.bodies, forest.joints
-    if not forest.ends:
+    tables, bodies, joints = trees.tables, trees.bodies, trees.joints
+    if not trees.ends:
         return True
     move_links(tables, bodies.state)
-    if not solve_laws(tables, bodies, joints, forest.setting, h, forest.gyroscopic, STIFF_ALONE):
+    if not solve_laws(tables, bodies, joints, trees.setting, h, trees.gyroscopic, STIFF_ALONE):
         return False
     add_reactions(tables, joints, h)
     change_rates(tables, h)
@@ -220,19 +220,19 @@ def act_at_end(h: float, forest: Forest) -> bool:
 
 
 @kernel
-def runge_kutta(h: float, forest: Forest, trial: Trial) -> bool:
+def runge_kutta(h: float, trees: Trees, trial: Trial) -> bool:
     """Advance all trees and bases by h, counting what joints carry. Returns: whether the laws had an answer."""
-    begin(forest, trial)
-    find_accelerations(forest)
-    go_through_stages(h, RK4, forest, trial)
-    return act_at_end(h, forest)
+    begin(trees, trial)
+    find_accelerations(trees)
+    go_through_stages(h, RK4, trees, trial)
+    return act_at_end(h, trees)
 
 
 @kernel
-def attempt(h: float, forest: Forest, trial: Trial) -> float:
+def attempt(h: float, trees: Trees, trial: Trial) -> float:
     """A trial step. Returns: the larger error of rates, relative to all of them, and of any orientation or hinge [rad]."""
-    kind, k, n = forest.tables.kind, trial.k, forest.tables.kind.shape[0]
-    go_through_stages(h, DORMAND_PRINCE, forest, trial)
+    kind, k, n = trees.tables.kind, trial.k, trees.tables.kind.shape[0]
+    go_through_stages(h, DORMAND_PRINCE, trees, trial)
     error, fastest = explicit.error_of(trial, h, POSE * n, k.shape[1])
     largest = error / max(fastest, SLOWEST)
     for i in range(n):
@@ -244,34 +244,34 @@ def attempt(h: float, forest: Forest, trial: Trial) -> float:
 
 
 @kernel
-def finish(h: float, taken: bool, forest: Forest, trial: Trial) -> bool:
+def finish(h: float, taken: bool, trees: Trees, trial: Trial) -> bool:
     """End a step that is taken, or go back to its start. Returns: whether the laws had an answer."""
     if taken:
-        if not act_at_end(h, forest):
+        if not act_at_end(h, trees):
             return False
-        if forest.ends:
-            find_accelerations(forest)
-        begin(forest, trial)
+        if trees.ends:
+            find_accelerations(trees)
+        begin(trees, trial)
         return True
-    scatter(forest.tables, trial.y, 0)
-    bases_at(forest, 0.0)
-    for j in range(forest.carried.shape[0]):
+    scatter(trees.tables, trial.y, 0)
+    bases_at(trees, 0.0)
+    for j in range(trees.carried.shape[0]):
         for c in range(6):
-            forest.joints.joint[j, at.REACTION + c] = forest.carried[j, c]
-    find_accelerations(forest)
+            trees.joints.joint[j, at.REACTION + c] = trees.carried[j, c]
+    find_accelerations(trees)
     return True
 
 
 @kernel
-def dormand_prince(end: float, forest: Forest, trial: Trial) -> bool:
+def dormand_prince(end: float, trees: Trees, trial: Trial) -> bool:
     """Advance all trees and bases by `end` seconds in as many steps as the tolerance asks for, counting what joints carry.
 
     Returns: whether they sufficed, and the laws had an answer.
     """
-    passage, tolerance = forest.tables.passage, forest.setting[0, at.STEP_TOLERANCE]
-    find_accelerations(forest)
-    begin(forest, trial)
-    stride = explicit.adapt(passage[0, tree.KEPT_STRIDE], end, tolerance, attempt, finish, forest, trial)
+    passage, tolerance = trees.tables.passage, trees.setting[0, at.STEP_TOLERANCE]
+    find_accelerations(trees)
+    begin(trees, trial)
+    stride = explicit.adapt(passage[0, tree.KEPT_STRIDE], end, tolerance, attempt, finish, trees, trial)
     if stride < 0.0:
         return False
     passage[0, tree.KEPT_STRIDE] = stride

@@ -31,17 +31,21 @@ from plumbline.engine.memory.tables import Bodies, Joints, Rows
 
 
 class Stages(NamedTuple):
-    """What a step keeps of its stages, (bodies + 1, 13) each: the state at the start, its slope, the weighted sum of slopes."""
+    """What a step keeps of its stages, (bodies + 1, 13) each: the state at the start, its slope, the weighted sum of slopes;
+    and room for forces (bodies + 1, 6)."""
 
     start: Floats
     slope: Floats
     total: Floats
+    force: Floats
 
 
 @kernel
 def stages_of(floats: Floats, ints: Ints) -> Stages:
     """The room of an arena for stages."""
-    return Stages(floats_of(floats, ints, at.START), floats_of(floats, ints, at.SLOPE), floats_of(floats, ints, at.TOTAL))
+    start = floats_of(floats, ints, at.START)
+    room = np.empty((start.shape[0], 6))
+    return Stages(start, floats_of(floats, ints, at.SLOPE), floats_of(floats, ints, at.TOTAL), room)
 
 
 @kernel
@@ -117,7 +121,7 @@ def jointed_runge_kutta(
     """Advance all bodies by dt."""
     state, kind = bodies.state, bodies.kind
     start, slope, total = stages.start, stages.slope, stages.total
-    last, force = state.shape[0] - 1, np.empty((state.shape[0], 6))
+    last, force = state.shape[0] - 1, stages.force
     for b in range(last):
         for c in range(13):
             start[b, c] = state[b, c]

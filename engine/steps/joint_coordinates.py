@@ -1,6 +1,6 @@
 """Steps of worlds without contact whose joints make trees, in joint coordinates, one entry for each integrator."""
 
-from plumbline.engine.articulated import runge_kutta as trees
+from plumbline.engine.articulated import runge_kutta as explicit
 from plumbline.engine.articulated.advance import carry_bases, is_finite_forest, take_jumps, write_state
 from plumbline.engine.articulated.column_momenta import begin_column_momenta, rates_of_momenta
 from plumbline.engine.articulated.implicit_midpoint import implicit_midpoint as implicit_midpoint_tree
@@ -64,7 +64,7 @@ def step_joint_coordinates_midpoint(floats: Floats, ints: Ints, steps: int) -> t
     h, done, status = setting[0, at.DT] / substeps, 0, DONE
     if take_jumps(tables, bodies, joints) or count[0, at.STEPS] == 0:
         begin_column_momenta(tables, bodies, joints, setting, gyroscopic)
-    ends = trees.ends_with_laws(tables, joints)
+    ends = explicit.ends_with_laws(tables, joints)
     clear_reactions(joints)
     while done < steps and status == DONE:
         done += 1
@@ -96,14 +96,14 @@ def step_joint_coordinates_adaptive(floats: Floats, ints: Ints, steps: int) -> t
     principal = floats_of(floats, ints, at.PRINCIPAL)
     substeps, gyroscopic = count[0, at.SUBSTEPS], count[0, at.GYROSCOPIC]
     h, done, status = setting[0, at.DT] / substeps, 0, DONE
-    trial, free = trees.room_for_trials(tables, STAGES), room_for_trials(LENGTH, STAGES)
+    trial, free = explicit.room_for_trials(tables, STAGES), room_for_trials(LENGTH, STAGES)
     take_jumps(tables, bodies, joints)
-    forest = trees.forest_of(tables, bodies, joints, setting, gyroscopic)
+    trees = explicit.trees_of(tables, bodies, joints, setting, gyroscopic)
     while done < steps and status == DONE:
         done += 1
         clear_reactions(joints)
         for _ in range(substeps):
-            if status == DONE and not trees.dormand_prince(h, forest, trial):
+            if status == DONE and not explicit.dormand_prince(h, trees, trial):
                 status = UNSOLVED
             for n in range(tables.other.shape[0]):
                 b = tables.other[n, 0]
@@ -125,15 +125,15 @@ def step_joint_coordinates_runge_kutta(floats: Floats, ints: Ints, steps: int) -
     bodies, joints, tables = bodies_of(floats, ints), joints_of(floats, ints), tables_of(floats, ints)
     setting, count = floats_of(floats, ints, at.SETTING), ints_of(ints, at.COUNT)
     dt, gyroscopic = setting[0, at.DT], count[0, at.GYROSCOPIC]
-    done, status, trial = 0, DONE, trees.room_for_trials(tables, RK4_STAGES)
+    done, status, trial = 0, DONE, explicit.room_for_trials(tables, RK4_STAGES)
     if count[0, at.STEPS] == 0 and steps > 0:
-        trees.mark_stiff_columns(tables, bodies, joints, dt)
+        explicit.mark_stiff_columns(tables, bodies, joints, dt)
     take_jumps(tables, bodies, joints)
-    forest = trees.forest_of(tables, bodies, joints, setting, gyroscopic)
+    trees = explicit.trees_of(tables, bodies, joints, setting, gyroscopic)
     while done < steps and status == DONE:
         done += 1
         clear_reactions(joints)
-        if not trees.runge_kutta(dt, forest, trial):
+        if not explicit.runge_kutta(dt, trees, trial):
             status = UNSOLVED
         for n in range(tables.other.shape[0]):
             b = tables.other[n, 0]

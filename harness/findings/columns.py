@@ -181,12 +181,12 @@ def plain(*columns: str) -> list[Column]:
     return [Column(name, name) for name in columns]
 
 
-def names(of: type, *without: str, part: str = "") -> str:
-    """The fields of a dataclass as `Table.holds` takes them, but for some. Args: part: of the objects, that has the fields."""
-    known = [field for field in fields(of) if field.name not in without]
-    intervals = (".." if Interval in (field.type, *get_args(field.type)) else "" for field in known)
-    paths = (f"={part}.{field.name}" if part else "" for field in known)
-    return " ".join(f"{field.name}{ends}{path}" for field, ends, path in zip(known, intervals, paths, strict=True))
+def names(of: type, *without: str, path: str = "") -> str:
+    """The fields of a dataclass as `Table.holds` takes them, but for some. Args: path: to what has the fields."""
+    chosen = [field for field in fields(of) if field.name not in without]
+    intervals = (".." if Interval in (field.type, *get_args(field.type)) else "" for field in chosen)
+    paths = (f"={path}.{field.name}" if path else "" for field in chosen)
+    return " ".join(f"{field.name}{ends}{source}" for field, ends, source in zip(chosen, intervals, paths, strict=True))
 
 
 def scene(each: Any) -> str:

@@ -24,8 +24,8 @@ from plumbline.harness.store.store import Store
 class SideVerdict:
     """One engine on one track of a scene.
 
-    Terms: finding: the verdict in a sentence; said: what is known of the scene, in sentences. errors: of each run from coarse
-    to fine, from the agreed limit, from the engine's own where none is; None without an answer. costs: CPU seconds per
+    Terms: finding: the verdict in a sentence; summary: what is known of the scene, in sentences. errors: of each run from
+    coarse to fine, from the agreed limit, from the engine's own where none is; None without an answer. costs: CPU seconds per
     simulated second of each run, None where it was not clocked. lost: what leaving out elements that the user dropped does,
     where the engine was also run with them.
     """
@@ -33,7 +33,7 @@ class SideVerdict:
     agreement: Agreement
     side: Side
     finding: str
-    said: tuple[str, ...]
+    summary: tuple[str, ...]
     errors: tuple[Errors | None, ...]
     costs: tuple[float | None, ...]
     lost: Omission | None
@@ -79,7 +79,7 @@ class SideVerdict:
             "offs": [each and each.off for each in self.errors],
             "costs": self.costs,
             "trials": [rung.trial for rung in rungs],
-            "summary": self.said,
+            "summary": self.summary,
         }
         return {name: json.dumps(values) for name, values in lists.items()}
 
@@ -93,7 +93,7 @@ def side_verdicts(store: Store) -> Iterator[SideVerdict]:
     errors, titles = errors_of(store), store.titles
     for agreement in agreements(store):
         lost = omissions(store, agreement)
-        said = (
+        summary = (
             *scene_words(agreement, titles),
             *happened_words(happenings(store, agreement), agreement, titles),
             *cause_words(settings_turned(store, agreement), agreement, titles),
@@ -105,7 +105,7 @@ def side_verdicts(store: Store) -> Iterator[SideVerdict]:
         by_side = {(omission.engine, omission.track): omission for omission in lost}
         for side in agreement.sides:
             yield SideVerdict(
-                agreement=agreement, side=side, finding=side_sentence(side, agreement, titles), said=said,
+                agreement=agreement, side=side, finding=side_sentence(side, agreement, titles), summary=summary,
                 errors=tuple(errors.get(rung.trial) for rung in side.limit.rungs),
                 costs=tuple(finite(costs.get(rung.trial)) for rung in side.limit.rungs),
                 lost=by_side.get((side.engine, side.track)),
@@ -114,7 +114,7 @@ def side_verdicts(store: Store) -> Iterator[SideVerdict]:
 
 def _sentences(verdicts: Sequence[SideVerdict]) -> list[str]:
     """What is known of each scene, then the verdict on each engine and track."""
-    return [*dict.fromkeys(line for each in verdicts for line in each.said), *(each.finding for each in verdicts)]
+    return [*dict.fromkeys(line for each in verdicts for line in each.summary), *(each.finding for each in verdicts)]
 
 
 def _verdict(each: SideVerdict) -> str:

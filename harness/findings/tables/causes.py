@@ -26,7 +26,7 @@ def _sentences(causes: Sequence[_Cause]) -> list[str]:
 
 
 TABLE = Table(
-    holds=names(Turned, part="turned") + " summary",
+    holds=names(Turned, path="turned") + " summary",
     objects=_causes,
     shown=(
         Column("scene", lambda row: row.turned.case.rsplit("/", 1)[-1]),

@@ -1,4 +1,4 @@
-"""What a step, a ray or a world costs, engine beside engine: the rows of the scaling table, made from a run folder.
+"""What a step, a ray or a world costs, engine beside engine (over 400 lines: prices, sweeps and exponents with their table).
 
 A price alone says little, so each stands beside what it buys: how deep bodies stand in one another, how much still moves, or,
 where nothing touches, the case's own error. Ratios are taken within blocks of samples, which cancels what the machine did.

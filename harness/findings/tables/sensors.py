@@ -73,7 +73,7 @@ def sentences(rows: Sequence[SensorFinding], titles: Mapping[str, str] | None = 
 
 
 TABLE = Table(
-    holds=names(SensorFinding, *SKETCHES).replace(" noise ", f" {names(Noise, 'count', 'why', part='noise')} "),
+    holds=names(SensorFinding, *SKETCHES).replace(" noise ", f" {names(Noise, 'count', 'why', path='noise')} "),
     objects=findings,
     shown=(
         Column("case", scene),

@@ -230,8 +230,8 @@ CURED = 1e99
 def _share_of(change: str) -> Column:
     """How many times smaller a change made the vibration."""
 
-    def cell(found: Tremble) -> str:
-        share = found.changed.get(change)
+    def cell(base: Tremble) -> str:
+        share = base.changed.get(change)
         return "" if share is None else "stands" if share >= CURED else f"{share:.3g}x"
 
     return Column(change, cell)
@@ -245,8 +245,8 @@ TABLE = Table(
         Column("engine", "engine"),
         Column("setting", "track"),
         Column("stiffness", "stiffness", "g"),
-        Column("dt", lambda found: step_in_words(found.dt, found.substeps)),
-        Column("vibration", lambda found: "falls" if found.falls else f"{found.base.vibration:.2g} rad/s"),
+        Column("dt", lambda base: step_in_words(base.dt, base.substeps)),
+        Column("vibration", lambda base: "falls" if base.falls else f"{base.base.vibration:.2g} rad/s"),
         Column("at", "frequency", ".3g", " Hz"),
         *map(_share_of, CHANGES),
         *plain("cause", "why"),

@@ -104,7 +104,7 @@ class Audit:
 
 def audit(rows: "Sequence[EffectVerdict]") -> Audit:
     """Of the rows of the table of effects: of each effect of a scene that of one that judges it, where there is one."""
-    asked = [row for row in rows if row.track == "tuned" and row.verdict != EVERYTHING and not _lacked(row)]
+    asked = [row for row in rows if row.track == "tuned" and row.effect != EVERYTHING and not _lacked(row)]
     chosen: dict[tuple[str, str, str], EffectVerdict] = {}
     for row in sorted(asked, key=_far_from_judging):
         chosen.setdefault((row.case, row.where, row.effect), row)

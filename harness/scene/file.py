@@ -1,8 +1,11 @@
 """Scene files: TOML and JSON in and out, and the JSON schema, by pydantic."""
 
 import dataclasses
+import gc
 import json
 import re
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +21,18 @@ from plumbline.harness.scene.scene import Scene, SceneError
 _ADAPTER: TypeAdapter[Scene] = TypeAdapter(Scene)
 
 
+@contextmanager
+def uncollected() -> Iterator[None]:
+    """Without the collector of cycles, of which scenes have none: it would go through all that is made of them again and again."""
+    enabled = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if enabled:
+            gc.enable()
+
+
 def _plain(scene: Scene) -> dict[str, Any]:
     plain: dict[str, Any] = _ADAPTER.dump_python(scene, mode="json", exclude_none=True)
     return plain
@@ -28,6 +43,7 @@ def dump_json(scene: Scene) -> str:
     return json.dumps(_plain(scene), allow_nan=False)
 
 
+@uncollected()
 def dump_toml(scene: Scene) -> str:
     """The scene as TOML text; `parse` reads it back to an equal scene."""
     return tomli_w.dumps(_plain(scene))

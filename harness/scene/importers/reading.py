@@ -1,8 +1,6 @@
 """From a file of any format to a scene: format by its ending, companion beside it, then merged, posed, joined and told."""
 
-import gc
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,6 +11,7 @@ from plumbline.harness.intake.error import RobotError, listed
 from plumbline.harness.intake.import_wishes import Drop, Omissions, Wishes
 from plumbline.harness.intake.safe_text import quoted, readable
 from plumbline.harness.scene import EARTH_GRAVITY, WORLD, Camera, DepthCamera, PlacedShape, Samples, Scene, Surface
+from plumbline.harness.scene.file import uncollected
 from plumbline.harness.scene.importers import own, scenarios
 from plumbline.harness.scene.importers.companion import Base, Companion, beside, load_companion
 from plumbline.harness.scene.importers.consequences import consequences
@@ -35,19 +34,7 @@ from plumbline.harness.scene.importers.ties import tied, untied
 from plumbline.harness.scene.importers.units import scaled, suspected
 
 
-@contextmanager
-def _uncollected() -> Iterator[None]:
-    """Without the collector of cycles, of which what is read has none: it would go through all of it again and again."""
-    enabled = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        if enabled:
-            gc.enable()
-
-
-@_uncollected()
+@uncollected()
 def read(path: Path, wishes: Wishes | None = None, companion: Companion | None = None) -> Imported:
     """The scene of one of our own files or of a robot file, with what became of each element.
 

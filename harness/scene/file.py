@@ -23,7 +23,7 @@ _ADAPTER: TypeAdapter[Scene] = TypeAdapter(Scene)
 
 @contextmanager
 def uncollected() -> Iterator[None]:
-    """Without the collector of cycles, of which scenes have none: it would go through all that is made of them again and again."""
+    """Without the collector of cycles, of which scenes have none: it would go through all that they are again and again."""
     enabled = gc.isenabled()
     gc.disable()
     try:

@@ -47,9 +47,9 @@ class World:
     """A world whose stages are chosen, once, by what it contains.
 
     Args:
-        bodies, joints: as described; names are unique. surfaces: the law of each pair of materials, in either order; other
-        pairs are frictionless and do not bounce. gravity (3,) m/s2. options: how to solve. apart: pairs of materials that
-        never touch. sun: the light that pictures are taken in. tendons: over coordinates of joints, in joint coordinates alone.
+        bodies: as described; joints: likewise, with the tendons over their coordinates; names are unique. surfaces: the law of
+        each pair of materials, in either order; other pairs are frictionless and do not bounce. gravity (3,) m/s2. options: how
+        to solve. apart: pairs of materials that never touch. sun: the light that pictures are taken in.
     Raises: ValueError naming the element, field and value; NotSupported for open meshes that forces move or that are to be had
         at a level of detail, for swept collision of meshes that forces move, for an integrator of free bodies where there are
         joints or contacts, for initial velocities that a joint forbids, for bodies too thin for joints (`build.initial_rates`),
@@ -59,13 +59,12 @@ class World:
     def __init__(
         self,
         bodies: Sequence[Body],
-        joints: Sequence[Joint] = (),
+        joints: Sequence[Joint | Tendon] = (),
         surfaces: Mapping[tuple[str, str], Surface] | None = None,
         gravity: Sequence[float] = (0.0, 0.0, -9.81),
         options: Options | None = None,
         apart: Sequence[tuple[str, str]] = (),
         sun: Sun | None = None,
-        tendons: Sequence[Tendon] = (),
     ) -> None:
         self.options = options or Options()
         self._dt = self.options.dt
@@ -73,7 +72,8 @@ class World:
             from plumbline.engine.build.level_of_detail import at_level
 
             bodies = at_level(bodies, self.options.level_of_detail)
-        joints = elimination_order(bodies, joints)
+        tendons = [each for each in joints if isinstance(each, Tendon)]
+        joints = elimination_order(bodies, [each for each in joints if not isinstance(each, Tendon)])
         self.sun = sun or Sun()
         self.touching = self.options.contacts and may_touch(bodies)
         forest = chosen_forest(bodies, joints, self.options, self.touching, tendons)

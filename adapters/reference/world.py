@@ -19,15 +19,16 @@ def make_world(scene: Scene, options: "engine.Options") -> "engine.World":
     from plumbline import engine
 
     effects = scene.effects
+    joints = (engine_joint(joint, effects) for joint in scene.joints)
+    tendons = (engine_tendon(tendon, effects) for tendon in scene.tendons or ())
     try:
         return engine.World(
             bodies=[engine_body(body, effects) for body in scene.bodies],
-            joints=[engine_joint(joint, effects) for joint in scene.joints] if Effect.JOINTS in effects else (),
+            joints=[*joints, *tendons] if Effect.JOINTS in effects else (),
             surfaces={law.between: engine_surface(law, effects) for law in scene.surfaces},
             gravity=scene.gravity if Effect.GRAVITY in effects else (0.0, 0.0, 0.0),
             options=options,
             apart=scene.apart,
-            tendons=[engine_tendon(each, effects) for each in scene.tendons or ()] if Effect.JOINTS in effects else (),
             sun=engine.Sun(towards_W=scene.sun.towards_W, irradiance=scene.sun.irradiance, sky=scene.sun.sky),
         )
     except engine.NotSupported as error:

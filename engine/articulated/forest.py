@@ -208,25 +208,25 @@ def chosen_forest(
         return None
     if wanted and options.coordinates == MAXIMAL:
         raise NotSupported(f"{wanted[0]} with bodies' own coordinates", "a row of theirs is between two bodies, both with mass")
-    found = forest_of(bodies, joints)
-    if tendons and isinstance(found, Forest):
-        found = with_tendons(found, joints, tendons)
-    if options.coordinates != JOINT and not wanted and isinstance(found, Forest):
-        loose = sum(bodies[i].motion == "dynamic" for i in found.others)
-        if found.closing or (touching and loose > len(found.links)):
+    forest = forest_of(bodies, joints)
+    if tendons and isinstance(forest, Forest):
+        forest = with_tendons(forest, joints, tendons)
+    if options.coordinates != JOINT and not wanted and isinstance(forest, Forest):
+        loose = sum(bodies[i].motion == "dynamic" for i in forest.others)
+        if forest.closing or (touching and loose > len(forest.links)):
             return None
     if options.integrator not in INTEGRATORS:
-        found = NoForest(f"the integrator '{options.integrator}'", f"they know {', '.join(INTEGRATORS)}")
+        forest = NoForest(f"the integrator '{options.integrator}'", f"they know {', '.join(INTEGRATORS)}")
     elif tendons and options.integrator != "semi_implicit_euler":
-        found = NoForest(f"the integrator '{options.integrator}'", "semi_implicit_euler alone knows tendons")
-    elif isinstance(found, Forest) and (touching or found.closing):
-        found = unknown(options, "contacts" if touching else f"joint '{joints[found.closing[0]].name}'") or found
-    if isinstance(found, Forest):
-        return found
+        forest = NoForest(f"the integrator '{options.integrator}'", "semi_implicit_euler alone knows tendons")
+    elif isinstance(forest, Forest) and (touching or forest.closing):
+        forest = unknown(options, "contacts" if touching else f"joint '{joints[forest.closing[0]].name}'") or forest
+    if isinstance(forest, Forest):
+        return forest
     if wanted:
-        raise NotSupported(f"{wanted[0]} with {found.what}", found.why)
+        raise NotSupported(f"{wanted[0]} with {forest.what}", forest.why)
     if options.coordinates == JOINT:
-        raise NotSupported(f"joint coordinates with {found.what}", found.why)
+        raise NotSupported(f"joint coordinates with {forest.what}", forest.why)
     return None
 
 

@@ -52,8 +52,8 @@ def kept_apart(rules: CollisionFilter, i: int, j: int) -> bool:
     if rules.surface[rules.shape_kind[i, at.MATERIAL] * rules.materials + rules.shape_kind[j, at.MATERIAL], at.APART] == 1.0:
         return True
     for e in range(rules.exclusions):
-        one, two = rules.excluded[e, 0], rules.excluded[e, 1]
-        if (one == a and two == b) or (one == b and two == a):
+        first, second = rules.excluded[e, 0], rules.excluded[e, 1]
+        if (first == a and second == b) or (first == b and second == a):
             return True
     return False
 

@@ -5,17 +5,15 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from operator import attrgetter
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from plumbline.harness.case.alteration import EVERYTHING
 from plumbline.harness.case.undropped import called
+from plumbline.harness.findings.columns import Cell
 from plumbline.harness.findings.effects_jury import ALONE, TRUTH
+from plumbline.harness.statistics.interval import Interval
 from plumbline.harness.store.rows import grouped
-
-if TYPE_CHECKING:
-    from plumbline.harness.findings.tables.effects import EffectVerdict
 
 NOT_JUDGED = "not judged"
 AS_IT_IS = "as it is"
@@ -23,6 +21,41 @@ AGAINST = ("paid for without need", "needed but missing")
 _MATTERS = {True: "matters", False: "does not matter"}
 UNANSWERED = ("diverged", "unsupported", "unavailable", "timeout", "oom", "crashed", "interrupted")
 """Statuses that stand as verdicts where a run gave no answer."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class EffectVerdict(Cell):
+    """One effect of one scene on one engine, or everything on.
+
+    Terms:
+        effects: those that the row is about, several where they were left out together, none for everything on and for the
+        scene as it is. effect: what they are called in a table, or what else the row is about. declared: does the scene call
+        for it? insists: why it does although its motion does not show it. moved, own: see
+        `harness.search.needless_effects.Consequence`; None where nothing could be compared. matters: on this engine. cost: CPU
+        time of a step with it over that without it (everything on over as it is), with the 95 % interval of the median over
+        blocks; None where one of both was not clocked. cpu_as_it_is: CPU seconds of a simulated second of the scene as it is;
+        None where that was not clocked. verdict: 'needed and on', 'needed but missing', 'missing without need', 'paid for
+        without need', 'insisted on', 'cannot be switched off', 'left out', 'everything on', 'left out together', 'needed
+        together'; NOT_JUDGED where nothing could be compared or nobody can judge; or the status of a run that gave no answer.
+        judge: who says so (`harness.findings.effects_jury`): the truth, engines that agree, or the row's own 'alone'; ''
+        where nobody does. against: the engines that say the opposite. reason: what the engine says to it, or why it is not
+        judged. trial: of the departure.
+    """
+
+    effect: str
+    effects: tuple[str, ...]
+    declared: bool
+    insists: str
+    moved: float | None
+    own: float | None
+    matters: bool | None
+    cost: Interval | None
+    cpu_as_it_is: float | None
+    verdict: str
+    judge: str
+    against: str
+    reason: str
+    trial: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,9 +68,9 @@ class Audit:
         said: for these nothing is proposed.
     """
 
-    judged: "tuple[EffectVerdict, ...]"
-    failed: "tuple[EffectVerdict, ...]"
-    open: "tuple[EffectVerdict, ...]" = ()
+    judged: tuple[EffectVerdict, ...]
+    failed: tuple[EffectVerdict, ...]
+    open: tuple[EffectVerdict, ...] = ()
 
     @property
     def scenes(self) -> int:
@@ -102,7 +135,7 @@ class Audit:
         return [f"{scene}: nothing is said of {', '.join(names)}: {reason}" for (scene, reason), names in effects.items()]
 
 
-def audit(rows: "Sequence[EffectVerdict]") -> Audit:
+def audit(rows: Sequence[EffectVerdict]) -> Audit:
     """Of the rows of the table of effects: of each effect of a scene that of one that judges it, where there is one."""
     asked = [row for row in rows if row.track == "tuned" and row.effect != EVERYTHING and not _lacked(row)]
     chosen: dict[tuple[str, str, str], EffectVerdict] = {}
@@ -117,26 +150,26 @@ def audit(rows: "Sequence[EffectVerdict]") -> Audit:
     return Audit(judged, tuple(row for row in judged if row.verdict in AGAINST), unknown)
 
 
-def _silent(row: "EffectVerdict") -> bool:
+def _silent(row: EffectVerdict) -> bool:
     return row.verdict in (NOT_JUDGED, *UNANSWERED)
 
 
-def _lacked(row: "EffectVerdict") -> bool:
+def _lacked(row: EffectVerdict) -> bool:
     """Is it about an effect that the scene calls for and the engine has not? That is nothing against the scene."""
     return (bool(row.declared) and "missing" in row.verdict) or row.verdict == "cannot be switched off"
 
 
-def _far_from_judging(row: "EffectVerdict") -> int:
+def _far_from_judging(row: EffectVerdict) -> int:
     """0 for a row whose engine is among those that judge, 1 where the truth does or another one, 2 where nobody does."""
     return 2 if _silent(row) else int(row.engine not in row.judge.removesuffix(f" {ALONE}").split(", "))
 
 
-def scenes_of(rows: "Iterable[EffectVerdict]") -> dict[tuple[str, str], None]:
+def scenes_of(rows: Iterable[EffectVerdict]) -> dict[tuple[str, str], None]:
     """The scenes of some rows, in their order."""
     return dict.fromkeys((row.case, row.where) for row in rows)
 
 
-def named_scene(row: "EffectVerdict", titles: Mapping[str, str] | None = None) -> str:
+def named_scene(row: EffectVerdict, titles: Mapping[str, str] | None = None) -> str:
     """The scene of a row: its case, and where it stands beside it. Args: titles: of cases, by name."""
     return f"{(titles or {}).get(row.case) or called(row.case)} {row.where}".strip()
 
@@ -145,7 +178,7 @@ def _spelled(effect: str) -> str:
     return effect.replace("_", " ")
 
 
-def _accusation(row: "EffectVerdict", titles: Mapping[str, str]) -> str:
+def _accusation(row: EffectVerdict, titles: Mapping[str, str]) -> str:
     name, effect = named_scene(row, titles), _spelled(row.effect)
     alone = f", by {titles.get(row.engine, row.engine)} {ALONE}" if row.judge.endswith(f" {ALONE}") else ""
     if row.verdict == "needed but missing":
@@ -177,7 +210,7 @@ class Saving:
     summed: float | None
 
 
-def savings(rows: "Iterable[EffectVerdict]") -> list[Saving]:
+def savings(rows: Iterable[EffectVerdict]) -> list[Saving]:
     """One an engine."""
     made = []
     everything = (row for row in rows if row.verdict == EVERYTHING and row.cost is not None)
@@ -191,14 +224,14 @@ def savings(rows: "Iterable[EffectVerdict]") -> list[Saving]:
     return made
 
 
-def idle(scene: tuple[str, str], rows: "Sequence[EffectVerdict]") -> list[str]:
+def idle(scene: tuple[str, str], rows: Sequence[EffectVerdict]) -> list[str]:
     """The effects that a scene can do without, all together; none where nothing is known to be idle."""
     mine = [row for row in rows if (row.case, row.where) == scene]
     without = (row.effects for row in mine if row.verdict in ("left out together", "paid for without need"))
     return [*max(without, key=len, default=())]
 
 
-def proposed(scene: tuple[str, str], rows: "Sequence[EffectVerdict]") -> str:
+def proposed(scene: tuple[str, str], rows: Sequence[EffectVerdict]) -> str:
     """The minimal set of a scene that declares too much, as the line that its file needs; '' where nothing is known to be."""
     without = idle(scene, rows)
     name = " ".join((called(scene[0]), scene[1])).strip()

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 
 from plumbline.harness.case.alteration import EVERYTHING
-from plumbline.harness.findings.tables.effects import EffectVerdict
+from plumbline.harness.findings.effects_audit import EffectVerdict
 from plumbline.harness.store.store import Store
 from plumbline.reports.charts.figure import Figure
 from plumbline.reports.charts.grammar import Row, channel, chart, hovering

@@ -30,7 +30,7 @@ def three(start: tuple[float, float, float], gravity: float = 0.0, first: Limits
     wheel = Revolute(name="wheel", parent="world", child="wheel", anchor_W=(0, 6, 0), axis_W=(0, 1, 0), position=start[2])
     tendon = Tendon(name="tendon", arms=dict(zip(NAMES, ARMS, strict=True)), **laws)
     joints: list[engine.Joint] = [replace(slide, limits=first), other, wheel]
-    return World(bodies, joints, gravity=(gravity, 0.0, 0.0), options=EULER, tendons=[tendon])
+    return World(bodies, [*joints, tendon], gravity=(gravity, 0.0, 0.0), options=EULER)
 
 
 def coordinates(world: World) -> Floats:
@@ -110,7 +110,7 @@ def arm(
         if ground is None
         else [Body(name="floor", motion="static", shapes=[engine.Placed(shape=engine.Plane())], p_WB=(0, 0, ground))]
     )
-    return World([*rods, *floor], joints, options=options, tendons=tendons)
+    return World([*rods, *floor], [*joints, *tendons], options=options)
 
 
 LAWS: list[dict[str, Any]] = [

@@ -2,17 +2,17 @@
 
 import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import pandas as pd
 
 from plumbline.harness.case.alteration import EVERYTHING, REFINED
-from plumbline.harness.findings.columns import Cell, Column, Table, bracketed, known, names, outcome, side
+from plumbline.harness.findings.columns import Column, Table, bracketed, known, names, outcome, side
 from plumbline.harness.findings.cost_point import BlockSample, SampledBlock, ratio_in_blocks, samples_by_block
 from plumbline.harness.findings.effects_audit import (
     AS_IT_IS,
     NOT_JUDGED,
+    EffectVerdict,
     audit,
     named_scene,
     proposed,
@@ -25,41 +25,6 @@ from plumbline.harness.findings.parameter_words import differing, in_words
 from plumbline.harness.search.needless_effects import Consequence, departure, matters, scale_in, weighed
 from plumbline.harness.statistics.interval import Interval
 from plumbline.harness.store.store import Store
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class EffectVerdict(Cell):
-    """One effect of one scene on one engine, or everything on.
-
-    Terms:
-        effects: those that the row is about, several where they were left out together, none for everything on and for the
-        scene as it is. effect: what they are called in a table, or what else the row is about. declared: does the scene call
-        for it? insists: why it does although its motion does not show it. moved, own: see
-        `harness.search.needless_effects.Consequence`; None where nothing could be compared. matters: on this engine. cost: CPU
-        time of a step with it over that without it (everything on over as it is), with the 95 % interval of the median over
-        blocks; None where one of both was not clocked. cpu_as_it_is: CPU seconds of a simulated second of the scene as it is;
-        None where that was not clocked. verdict: 'needed and on', 'needed but missing', 'missing without need', 'paid for
-        without need', 'insisted on', 'cannot be switched off', 'left out', 'everything on', 'left out together', 'needed
-        together'; NOT_JUDGED where nothing could be compared or nobody can judge; or the status of a run that gave no answer.
-        judge: who says so (`harness.findings.effects_jury`): the truth, engines that agree, or the row's own 'alone'; ''
-        where nobody does. against: the engines that say the opposite. reason: what the engine says to it, or why it is not
-        judged. trial: of the departure.
-    """
-
-    effect: str
-    effects: tuple[str, ...]
-    declared: bool
-    insists: str
-    moved: float | None
-    own: float | None
-    matters: bool | None
-    cost: Interval | None
-    cpu_as_it_is: float | None
-    verdict: str
-    judge: str
-    against: str
-    reason: str
-    trial: str
 
 
 def verdicts_if_described(store: Store) -> tuple[EffectVerdict, ...]:

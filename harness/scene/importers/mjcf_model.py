@@ -158,14 +158,14 @@ def expected(message: str, text: str, line: int, schema: str) -> str:
     Args:
         message: the compiler's words. text: what it was given, sound XML. line: of the element, from 1.
     """
-    found = _UNKNOWN.search(message)
-    if found is None:
+    unknown = _UNKNOWN.search(message)
+    if unknown is None:
         return ""
     path = next((path for number, path, _ in _elements(text) if number == line), ())
-    if not path or path[-1] != found[3]:
+    if not path or path[-1] != unknown[3]:
         return ""
-    if found[1] == "attribute":
-        return _one_of(found[2], _attributes(schema, path))
+    if unknown[1] == "attribute":
+        return _one_of(unknown[2], _attributes(schema, path))
     return _one_of(path[-1], _children(schema, path[:-1]), "<{}>")
 
 

@@ -72,7 +72,7 @@ def test_a_change_that_the_adapter_names_is_excused_with_its_reason(
 def test_a_reason_that_nothing_calls_for_is_told(store: Store) -> None:
     stale = [row for row in changes(store) if row.verdict == "reason not needed"]
     assert {(row.change, row.reason) for row in stale if row.engine == "beaten"} == {("shade", "never needed")}
-    assert any("beaten gives a reason for shade" in sentence for sentence in table.TABLE.sentences(table.TABLE.rows(store)))
+    assert any("beaten gives a reason for shade" in sentence for sentence in table.TABLE.said(store))
 
 
 def test_a_change_that_is_not_cheap_enough_is_no_better(found: Mapping[tuple[str, str], TriedChange]) -> None:

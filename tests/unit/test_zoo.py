@@ -203,7 +203,7 @@ def test_robots_that_were_not_run_are_listed_apart_with_the_reason_and_counted(r
         (f"tiny_zoo.{name}", engine) for name in ("arm", "dropped") for engine in ENGINES
     }  # fmt: skip
     assert {row["reason"] for row in waiting} == {NOT_RUN}
-    assert table.sentences(rows)[:2] == [
+    assert table.said(store)[:2] == [
         "3 of 5 robots go in; 1 run on all of dart, mujoco, reference.",
         "Of those that go in, 2 were not run: the budget ended first, or the run was stopped; --resume goes on.",
     ]

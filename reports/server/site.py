@@ -22,12 +22,12 @@ from plumbline.reports.server.assets import AssetsMissing, viewer_file
 from plumbline.reports.server.request import PageRequest, Response, text
 from plumbline.reports.words.text import plural
 
-TEMPLATES = __file__.removesuffix("pages.py") + "static"
+STATIC = Path(__file__).parent / "static"
 
 
 def template(name: str, **values: object) -> bytes:
     """A page with every string escaped."""
-    page = Environment(loader=FileSystemLoader(TEMPLATES), autoescape=True, undefined=StrictUndefined).get_template(name)
+    page = Environment(loader=FileSystemLoader(STATIC), autoescape=True, undefined=StrictUndefined).get_template(name)
     return page.render(**values).encode()
 
 
@@ -68,7 +68,6 @@ PROGRAM = "/viewer/"
 MOMENT = re.compile(r"/moment/(\d{1,9}(?:\.\d{1,12})?)/([A-Za-z0-9_.-]{1,200})")
 """A moment [s] and the recording whose stretch about it is asked for."""
 
-STATIC = Path(__file__).parent / "static"
 OWN = {f"/static/{name}": STATIC / name for name in ("front.css", "view.css", "view.js")}
 
 OPEN_FOLDERS = ("report", "recordings", "changes")

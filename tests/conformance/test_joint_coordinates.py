@@ -18,7 +18,7 @@ def in_coordinates(settings: Settings, coordinates: str, integrator: str | None 
 
 
 OTHER = replace(ADAPTER, tracks={name: in_coordinates(settings, "automatic") for name, settings in ADAPTER.tracks.items()})
-TREES_ALONE = Feature.COUPLING | Feature.MASSLESS
+TREES_ALONE = Feature.COUPLING | Feature.MASSLESS | Feature.TENDON
 """What coordinates of trees alone know."""
 OWN = replace(
     ADAPTER,
@@ -27,7 +27,7 @@ OWN = replace(
     tracks={name: in_coordinates(settings, "maximal") for name, settings in ADAPTER.tracks.items()},
 )
 F = Feature
-LACKED = F.DISTANCE | F.DISTANCE_SPRING | F.CLOSED_LOOP | F.FRICTION_LOSS | F.SPEED_LIMIT
+LACKED = F.DISTANCE | F.DISTANCE_SPRING | F.CLOSED_LOOP | F.FRICTION_LOSS | F.SPEED_LIMIT | F.TENDON
 """What integrators of higher order have to refuse beside joints: what is no tree, and what is not smooth."""
 MORE = replace(
     ADAPTER,

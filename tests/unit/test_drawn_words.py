@@ -56,7 +56,7 @@ def test_a_cost_keeps_its_ends_and_its_penetration_is_in_micrometres(store: Stor
     ) | {"parameters": {}, "unit": "step", "reference_setting": "", "error_metric": "", "best": True, "reason": ""}
     row = Cost(
         case="stack_tower", where="", engine="mujoco", track="tuned", cpu=Interval(3e-6, 2e-6, 5e-6), penetration=7e-6,
-        status="passed", dt=0.01, trial="t", **cost,
+        status="passed", dt=0.01, substeps=1, trial="t", **cost,
     )  # fmt: skip
     told = step_costs.drawn(store, row)
     assert [told[name] for name in ("cpu", "low", "high", "penetration")] == pytest.approx([3.0, 2.0, 5.0, 7.0])

@@ -226,4 +226,4 @@ def test_a_world_alone_finds_the_step_that_a_batch_has_compiled(tmp_path: Path, 
         shutil.copytree(kept, tmp_path / kept.name)
     for what in ("engine.Batch([made(), made()])", "made()"):
         fork(MADE + f"{what}.step()", PLUMBLINE_KERNEL_CACHE=str(tmp_path))
-        assert len([*tmp_path.rglob("runge_kutta.step_*.nbc")]) == 1
+        assert len([*tmp_path.rglob("runge_kutta.step_explicit_euler-*.nbc")]) == 1

@@ -295,7 +295,7 @@ def test_compiling_a_world_runs_what_its_first_contact_will(monkeypatch: pytest.
         "write_frames": "problem",
         "write_problem": "problem",
         "give_impulses": "steps",
-        "largest_breach": "certificate",
+        "largest_breach": "law",
         "write_scaled": "scaled",
         "finish_from": "solver",
         "look_at": "trace",

@@ -16,6 +16,7 @@ from plumbline.harness.metrics.errors import position_error_max
 from plumbline.harness.metrics.periods import nutation_amplitude
 from plumbline.harness.scene import Body, Scene
 from plumbline.harness.statistics.bootstrap import ratio
+from plumbline.harness.statistics.interval import Interval
 from plumbline.harness.store.record import Measurement
 from plumbline.harness.trajectory import Trajectory
 from plumbline.harness.trial.accuracy import _verdict, judge
@@ -120,12 +121,12 @@ def test_a_ratio_is_the_median_of_ratios_and_no_ratio_of_medians() -> None:
 
 def test_a_speed_has_its_lower_end_from_the_dearer_end_of_the_price(monkeypatch: pytest.MonkeyPatch) -> None:
     point: Any = SimpleNamespace(
-        case="x", engine="e", track="tuned", dt=0.01, substeps=1, error=1e-4, cost=0.5, low=0.4, high=0.8,
+        case="x", engine="e", track="tuned", dt=0.01, substeps=1, error=1e-4, cost=Interval(0.5, 0.4, 0.8),
         clocked=True, status="passed", unstable=False, trial="t",
     )  # fmt: skip
-    assert {"cost", "low", "high"} <= set(CostPoint.__dataclass_fields__)
+    assert CostPoint.__dataclass_fields__["cost"].type is Interval
     monkeypatch.setattr(
         speed, "List", lambda *_: SimpleNamespace(middle=np.full((1, 1), np.nan))
     )  # one run: no steps on both sides
     of_one: Any = speed._speed([point], SimpleNamespace(), 1e-3, 0.01)  # type: ignore[arg-type]
-    assert (of_one.low, of_one.times, of_one.high) == (1.25, 2.0, 2.5)
+    assert of_one.times == Interval(2.0, 1.25, 2.5)

@@ -2,6 +2,7 @@
 
 import ctypes
 import gc
+import importlib.util
 import json
 import os
 import shutil
@@ -9,7 +10,7 @@ import signal
 import subprocess
 import sys
 from collections import defaultdict
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Generator, Iterator, Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -24,7 +25,28 @@ pytest_plugins = ["tests.stress.ledger", "tests.scheduling"]
 PLUGINS = Path(__file__).parent / "stress" / "plugins"
 """A folder with installed-looking plug-ins; on PYTHONPATH it is found like any package."""
 
+WITHOUT_WHEELS = () if sys.version_info < (3, 12) else ("pybullet",)
+"""Packages of engines that this Python has no wheel of."""
+
 Command = Callable[..., subprocess.CompletedProcess[str]]
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport(call: pytest.CallInfo[None]) -> Generator[None, pytest.TestReport, pytest.TestReport]:
+    """A test that asks an engine which this Python has no wheel of is skipped with the reason."""
+    if call.excinfo is not None and (missing := lacking(call.excinfo.value)):
+        call.excinfo = pytest.ExceptionInfo.from_exc_info((type(missing), missing, call.excinfo.tb))
+    return (yield)
+
+
+def lacking(error: BaseException | None) -> BaseException | None:
+    """A skip, where an error comes of an engine of `WITHOUT_WHEELS` that is not here."""
+    while error is not None:
+        for package in WITHOUT_WHEELS:
+            if isinstance(error, ModuleNotFoundError) and error.name == package and importlib.util.find_spec(package) is None:
+                return pytest.skip.Exception(f"{package} has no wheel for Python {sys.version_info[0]}.{sys.version_info[1]}")
+        error = error.__cause__ or error.__context__
+    return None
 
 
 @pytest.fixture(scope="session")

@@ -22,6 +22,7 @@ from tests import study_texts
 from tests.charts import checked
 from tests.conftest import Command
 from tests.in_process import barely_clocked, in_this_process
+from tests.needs import BULLET
 
 SLOW = pytest.mark.slow
 """What the same is asked of a second time, on other engines."""
@@ -46,6 +47,7 @@ def limits(printed: Command, tmp_path_factory: pytest.TempPathFactory) -> Path:
         return carried_out(study_texts.limits(), tmp_path_factory.mktemp("limits"), printed)
 
 
+@BULLET
 def test_a_limit_agrees_with_a_direct_scan(limits: Path, printed: Command, monkeypatch: pytest.MonkeyPatch) -> None:
     """Up to eight speeds, one by one, without any search: the first that breaks lies where the bracket says."""
     case = plugins.case("tunnel_sphere_wall")
@@ -71,6 +73,7 @@ def test_a_limit_agrees_with_a_direct_scan(limits: Path, printed: Command, monke
         assert row["broke"] <= study_texts.WITHIN * row["held"] * (1 + 1e-9)
 
 
+@BULLET
 def test_what_helps_is_told_with_its_cost(limits: Path, printed: Command) -> None:
     rows = {(row["engine"], row["remedy"]): row for row in table(limits, "remedies", printed)}
     # A quarter of the step quarters the way between two looks; a wall four times as thick is looked at more often too.
@@ -83,6 +86,7 @@ def test_what_helps_is_told_with_its_cost(limits: Path, printed: Command) -> Non
         assert rows[engine, "damping"]["farther"] < rows[engine, "sub-steps x 4"]["farther"] / 10
 
 
+@BULLET
 def test_who_leads_is_told_at_equal_sub_steps_and_for_equal_time(limits: Path, printed: Command) -> None:
     rows = table(limits, "farthest", printed)
     equal = [row for row in rows if row["at"] == "equal sub-step"]
@@ -125,6 +129,7 @@ def test_each_effect_has_a_price_and_a_verdict(engines: tuple[str, ...], printed
     assert checked([(folder / "report" / "effects.html").read_text()]) == 1
 
 
+@BULLET
 @pytest.mark.parametrize(("engines", "restored"), [
     (("mujoco", "bullet"), ("bit-identical", "unsupported")), pytest.param(("dart",), (), marks=SLOW)
 ])  # fmt: skip
@@ -145,6 +150,7 @@ def test_repetitions_are_compared_bit_by_bit(
     assert (folder / "report" / "determinism.html").is_file()
 
 
+@BULLET
 def test_a_bar_that_a_constant_crosses_is_no_limit(printed: Command, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """MuJoCo leaves a ninth of the closing speed at every mass ratio: 0.333 r/(1 + r) m/s of the lighter ball, bar 0.3."""
     in_this_process(monkeypatch)

@@ -21,6 +21,7 @@ from plumbline.harness.trial.accuracy import run_trial
 from plumbline.reports.tables.verdicts import margin_words
 from plumbline.reports.words.text import TIMES, amount
 from tests.in_process import in_this_process
+from tests.needs import BULLET
 
 Command = Callable[..., Any]
 
@@ -112,6 +113,7 @@ def traced(run: Path, printed: Command, count: int) -> set[str]:
     return met
 
 
+@BULLET
 @pytest.mark.usefixtures("here")
 def test_ten_numbers_of_the_first_page_lead_in_two_clicks_to_a_trial_that_runs_again(run: Path, printed: Command) -> None:
     assert len(traced(run, printed, 10)) > 4

@@ -20,6 +20,7 @@ from plumbline.harness.study.provenance import sources_of
 from plumbline.harness.study.study import Study
 from plumbline.harness.study.trial import Trial
 from plumbline.harness.trial.accuracy import outcome
+from tests.needs import BULLET
 
 MODULES = ("scipy.integrate", "plumbline.cases.flight_box")
 
@@ -33,6 +34,7 @@ def trial() -> Trial:
     return trial
 
 
+@BULLET
 def test_processes_of_a_cell_have_loaded_what_the_run_needs(trial: Trial, monkeypatch: pytest.MonkeyPatch) -> None:
     """A cell comes alone: that its engine will come again, and what the cases of the run import, is said with it."""
     ran: list[tuple[Sequence[Trial], int, list[str]]] = []
@@ -50,6 +52,7 @@ def test_processes_of_a_cell_have_loaded_what_the_run_needs(trial: Trial, monkey
     assert set(MODULES) <= set(modules)
 
 
+@BULLET
 def test_threads_of_a_worker_answer_at_once_each_in_a_folder_of_its_own(trial: Trial, monkeypatch: pytest.MonkeyPatch) -> None:
     both, folders = Barrier(2, timeout=60), list[Path]()
 
@@ -68,6 +71,7 @@ def test_threads_of_a_worker_answer_at_once_each_in_a_folder_of_its_own(trial: T
     assert {answer.files["logs/a.log"] for answer in answered} == {folder.name.encode() for folder in folders}
 
 
+@BULLET
 def test_a_truth_goes_to_each_run_once(trial: Trial, monkeypatch: pytest.MonkeyPatch) -> None:
     """A worker lives through several runs, and its truths with it."""
 

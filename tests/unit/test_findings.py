@@ -27,6 +27,7 @@ from plumbline.harness.findings.vendor_findings import (
 )
 from plumbline.harness.study.plugins import names
 from tests.conftest import Command
+from tests.needs import BULLET
 
 PACKAGE = {"bullet": "pybullet", "dart": "dartpy", "mujoco": "mujoco"}
 EVERY = shelf()
@@ -63,6 +64,7 @@ def test_a_script_needs_its_vendor_numpy_and_python_alone(finding: Finding) -> N
     assert any(need == f"{PACKAGE[finding.engine]}=={finding.seen[-1]}" for need in finding.requires)
 
 
+@BULLET
 def test_a_trap_is_still_there_and_a_planted_mended_version_is_told_as_gone(tmp_path: Path) -> None:
     """The planted pybullet makes bodies without damping; an environment of its own finds it first."""
     assert damped().verdict == "still there"
@@ -87,6 +89,7 @@ def test_a_trap_is_still_there_and_a_planted_mended_version_is_told_as_gone(tmp_
     assert (standing.verdict, standing.figure.split(" after")[0]) == ("gone", "0.041 m from the parabola")
 
 
+@BULLET
 def test_a_script_whose_engine_is_missing_or_that_ends_otherwise_has_a_reason(tmp_path: Path) -> None:
     folder = tmp_path / "bullet"
     folder.mkdir()
@@ -121,6 +124,7 @@ def test_a_head_that_is_wrong_is_refused_by_file_and_field(tmp_path: Path, old: 
     assert str(path) in str(caught.value)
 
 
+@BULLET
 def test_the_text_for_the_vendor_has_the_figure_the_law_the_documentation_and_the_mend_with_its_price() -> None:
     text = issue_text(damped())
     law = "A ball thrown at 8.6 m/s lands elsewhere than its parabola says"
@@ -170,6 +174,7 @@ def test_a_title_says_no_universal_word_and_a_source_is_no_moving_branch(finding
     assert [source for source in finding.sources if "/master/" in source or "/main/" in source] == []
 
 
+@BULLET
 def test_a_mend_that_leaves_a_finding_standing_is_red(tmp_path: Path) -> None:
     """The planted mend is that of the published finding with another value: a hundredth more of damping than the default."""
     path = tmp_path / "bullet" / "f.py"

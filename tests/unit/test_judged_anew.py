@@ -19,6 +19,7 @@ from plumbline.harness.study.trial import Trial
 from plumbline.harness.trial import accuracy
 from plumbline.harness.trial.accuracy import judged_anew, run_trial
 from tests.conftest import PLUGINS
+from tests.needs import BULLET
 
 RUNS: dict[str, tuple[str, str, dict[str, Any], dict[str, Any]]] = {
     "closed form": ("flight_projectile", "mujoco", {}, {}),
@@ -50,6 +51,7 @@ def through_a_journal(record: Record) -> Record:
     return from_plain(Record, json.loads(json.dumps(plain(record))))
 
 
+@BULLET
 @pytest.mark.parametrize("name", RUNS)
 def test_a_kept_answer_gives_the_record_and_the_file_of_a_fresh_run(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

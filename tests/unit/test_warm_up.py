@@ -222,7 +222,7 @@ absent = {
 
 class Absent:
     def find_spec(self, name, path=None, target=None):
-        if name in absent - {"adapters", "cases", "engine", "harness", "reports", "findings"}:
+        if name in absent - {"plumbline", "adapters", "cases", "engine", "harness", "reports", "findings"}:
             raise ImportError(f"{name} is not there yet")
 
 

@@ -94,7 +94,8 @@ def close_bends(tables: Tables, bodies: Bodies, joints: Joints, setting: Floats,
             add_reactions(tables, joints, h)
         if turn > 0:
             left = change / before
-        if change * max(left, 0.0 if turn > 0 else change / rate) <= setting[0, at.STEP_TOLERANCE] * rate or change >= before:
+        surprise = change / rate if turn == 0 and rate > 0.0 else 0.0
+        if change * max(left, surprise) <= setting[0, at.STEP_TOLERANCE] * rate or change >= before:
             break
         before = change
     tables.passage[0, tree.CONTRACTION] = min(FORGOTTEN * left, 1.0)

@@ -5,7 +5,7 @@
 
 So a tendon is a row beside those of ties (`ties`), softer by what its law gives way: spring, damper and drive are as implicit
 as those of a joint, and a bound holds as exactly. A piece without slope is a force that is known. Which piece holds is found
-with those of the columns (`bounded`, `sides`).
+with those of the columns (`bounded`).
 
 Source: as `engine.articulated.ties` and `engine.articulated.laws`; Lacoursiere, Ghosts and Machines, 2007, section 4.
 """

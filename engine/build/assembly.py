@@ -277,7 +277,9 @@ def _write_joint(tables: Tables, j: int, joint: Joint, index: Mapping[str, int],
     anchor_b = np.asarray(joint.child_anchor_W, float) if isinstance(joint, Distance) else anchor_a
     row[at.ANCHOR_A : at.ANCHOR_A + 3] = mat_vec(ra.T, anchor_a - state[a, :3])
     row[at.ANCHOR_B : at.ANCHOR_B + 3] = mat_vec(rb.T, anchor_b - state[b, :3])
-    laws = (None, None, None) if isinstance(joint, Fixed | Ball) else (joint.limits, joint.spring, getattr(joint, "drive", None))
+    laws = (
+        (None, None, None) if isinstance(joint, Fixed | Ball) else (joint.limits, joint.spring, getattr(joint, "drive", None))
+    )
     kind[[at.JOINT_TYPE, at.PARENT, at.CHILD, at.HAS]] = TYPES[type(joint)], a, b, write_laws(row, *laws)
     if isinstance(joint, Distance):
         row[at.LENGTH] = float(norm(anchor_b - anchor_a))

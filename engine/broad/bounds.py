@@ -183,9 +183,12 @@ def overlap(bounds: Floats, shape_kind: Ints, pose: Floats, i: int, j: int) -> b
 
 
 @kernel
-def brute_force(rules: CollisionFilter, bounds: Floats, pose: Floats, shapes: int, pair: Ints) -> int:
-    """Write every overlapping pair, by i and then j > i. Returns: their number, perhaps beyond the room in `pair`."""
-    pairs = 0
+def brute_force(floats: Floats, ints: Ints) -> None:
+    """Place the shapes, and write every overlapping pair, by i and then j > i. Their number may go beyond the room."""
+    rules, pose = collision_filter_of(floats, ints), floats_of(floats, ints, at.POSE)
+    bounds, pair = floats_of(floats, ints, at.BOUNDS), ints_of(ints, at.PAIR)
+    shapes, pairs = ints_of(ints, at.COUNT)[0, at.SHAPES], 0
+    place_shapes(floats, ints)
     for apart in range(1, shapes):
         for i in range(shapes - apart):
             j = i + apart
@@ -195,4 +198,4 @@ def brute_force(rules: CollisionFilter, bounds: Floats, pose: Floats, shapes: in
                 if pairs < pair.shape[0]:
                     pair[pairs, 0], pair[pairs, 1] = i, j
                 pairs += 1
-    return pairs
+    ints_of(ints, at.COUNT)[0, at.PAIRS] = pairs

@@ -10,7 +10,7 @@ import numpy as np
 
 from plumbline.engine.broad.candidates import search_anew
 from plumbline.engine.broad.shares import search_in_shares_anew
-from plumbline.engine.broad.tree import Tree, hang, new_tree, search_range
+from plumbline.engine.broad.tree import Tree, new_tree, search_range
 from plumbline.engine.compile.jit import entry, kernel, parallel_entry
 from plumbline.engine.maths.rows import Floats, Ints
 from plumbline.engine.memory import arena as at
@@ -57,7 +57,8 @@ def build_tree(floats: Floats, ints: Ints) -> Tree:
             held += 1
             for k in range(3):
                 centre[s, k] = 0.5 * (fat[s, k] + fat[s, k + 3])
-    tree, span = new_tree(2 * held + 1, shapes), np.empty((2 * held + 1, 2), np.int64)
+    child, sibling, head, following, box = new_tree(2 * held + 1, shapes)
+    span = np.empty((2 * held + 1, 2), np.int64)
     span[0, 0], span[0, 1] = 0, held
     used, node = 1, 0
     while node < used:
@@ -69,20 +70,21 @@ def build_tree(floats: Floats, ints: Ints) -> Tree:
                 s = member[c]
                 lower, upper = min(lower, fat[s, k]), max(upper, fat[s, k + 3])
                 least, most = min(least, centre[s, k]), max(most, centre[s, k])
-            tree.box[node, k], tree.box[node, k + 3] = lower, upper
+            box[node, k], box[node, k + 3] = lower, upper
             if most - least > spread:
                 axis, spread = k, most - least
         if high - low > LEAF:
             middle = (low + high) // 2
             select_middle(member, centre, axis, low, high)
-            tree.child[node], tree.sibling[used] = used, used + 1
+            child[node], sibling[used] = used, used + 1
             span[used, 0], span[used, 1], span[used + 1, 0], span[used + 1, 1] = low, middle, middle, high
             used += 2
         else:
             for c in range(low, high):
-                hang(tree, node, member[c])
+                following[member[c]] = head[node]
+                head[node] = member[c]
         node += 1
-    return tree
+    return child, sibling, head, following, box
 
 
 @entry

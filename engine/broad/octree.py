@@ -12,7 +12,7 @@ import numpy as np
 
 from plumbline.engine.broad.candidates import search_anew
 from plumbline.engine.broad.shares import search_in_shares_anew
-from plumbline.engine.broad.tree import Tree, hang, new_tree, search_range
+from plumbline.engine.broad.tree import Tree, new_tree, search_range
 from plumbline.engine.compile.jit import entry, kernel, parallel_entry
 from plumbline.engine.maths.rows import Floats, Ints
 from plumbline.engine.memory import arena as at
@@ -59,7 +59,8 @@ def build_octree(floats: Floats, ints: Ints) -> Tree:
     for s in range(shapes):
         if shape[s, at.BALL_RADIUS] < math.inf:
             cells += depth_of(fat, s, side)
-    tree, cube, inside = new_tree(cells, shapes), np.empty((cells, 4)), np.full((cells, 8), -1, np.int64)
+    child, sibling, head, following, box = new_tree(cells, shapes)
+    cube, inside = np.empty((cells, 4)), np.full((cells, 8), -1, np.int64)
     cube[0, 0], cube[0, 1], cube[0, 2], cube[0, 3] = x, y, z, side
     for s in range(shapes - 1, -1, -1):
         if shape[s, at.BALL_RADIUS] == math.inf:
@@ -72,18 +73,19 @@ def build_octree(floats: Floats, ints: Ints) -> Tree:
                     octant += 1 << k
             if inside[cell, octant] < 0:
                 inside[cell, octant] = used
-                tree.sibling[used], tree.child[cell] = tree.child[cell], used
+                sibling[used], child[cell] = child[cell], used
                 for k in range(3):
                     cube[used, k] = cube[cell, k] + half * (octant >> k & 1)
                 cube[used, 3] = half
                 used += 1
             cell = inside[cell, octant]
-        hang(tree, cell, s)
+        following[s] = head[cell]
+        head[cell] = s
     for cell in range(used):
         for k in range(3):
-            tree.box[cell, k] = cube[cell, k] - LOOSE * cube[cell, 3]
-            tree.box[cell, k + 3] = cube[cell, k] + (1.0 + LOOSE) * cube[cell, 3]
-    return tree
+            box[cell, k] = cube[cell, k] - LOOSE * cube[cell, 3]
+            box[cell, k + 3] = cube[cell, k] + (1.0 + LOOSE) * cube[cell, 3]
+    return child, sibling, head, following, box
 
 
 @entry

@@ -4,7 +4,6 @@ Source: Ericson, Real-Time Collision Detection, section 6.3 (a traversal with a 
 """
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 
@@ -19,32 +18,16 @@ STACK = 256
 """Nodes that wait to be looked at: for each level of an octree the seven beside the way down, with room to spare."""
 
 
-class Tree(NamedTuple):
-    """Nodes and the shapes in them.
-
-    Terms: child, sibling, head (nodes,): the first child of each node, its next sibling and its first shape, -1 for none; box
-    (nodes, 6): lower and upper corner [m] of all below it; following (shapes,): the next shape of the same node, or -1.
-    """
-
-    child: Ints
-    sibling: Ints
-    head: Ints
-    box: Floats
-    following: Ints
+Tree = tuple[Ints, Ints, Ints, Ints, Floats]
+"""child, sibling, head (nodes,): the first child of each node, its next sibling and its first shape, -1 for none; following
+(shapes,): the next shape of the same node, or -1; box (nodes, 6): lower and upper corner [m] of all below a node."""
 
 
 @kernel
 def new_tree(nodes: int, shapes: int) -> Tree:
     """A root without children or shapes, and room for so many nodes."""
     none = np.full((3, nodes), -1, np.int64)
-    return Tree(none[0], none[1], none[2], np.empty((nodes, 6)), np.empty(shapes, np.int64))
-
-
-@kernel
-def hang(tree: Tree, node: int, s: int) -> None:
-    """Put shape s into a node."""
-    tree.following[s] = tree.head[node]
-    tree.head[node] = s
+    return none[0], none[1], none[2], np.empty(shapes, np.int64), np.empty((nodes, 6))
 
 
 @kernel
@@ -55,6 +38,7 @@ def search_range(floats: Floats, ints: Ints, first: int, last: int, candidate: I
     """
     fat, shape, found = floats_of(floats, ints, at.FAT), floats_of(floats, ints, at.SHAPE), 0
     shape_kind, kind = ints_of(ints, at.SHAPE_KIND), ints_of(ints, at.BODY_KIND)
+    child, sibling, head, following, box = tree
     stack = np.empty(STACK, np.int64)
     for i in range(first, last):
         if shape[i, at.BALL_RADIUS] == math.inf or not may_move(shape_kind, kind, i):
@@ -64,16 +48,16 @@ def search_range(floats: Floats, ints: Ints, first: int, last: int, candidate: I
             waiting -= 1
             node, meets = stack[waiting], True
             for k in range(3):
-                meets = meets and fat[i, k] <= tree.box[node, k + 3] and tree.box[node, k] <= fat[i, k + 3]
+                meets = meets and fat[i, k] <= box[node, k + 3] and box[node, k] <= fat[i, k + 3]
             if not meets:
                 continue
-            j = tree.head[node]
+            j = head[node]
             while j >= 0:
                 if (j > i or not may_move(shape_kind, kind, j)) and i != j and boxes_overlap(fat, i, j):
                     found = add_pair(candidate, found, i, j)
-                j = tree.following[j]
-            child = tree.child[node]
-            while child >= 0:
-                stack[waiting], child = child, tree.sibling[child]
+                j = following[j]
+            below = child[node]
+            while below >= 0:
+                stack[waiting], below = below, sibling[below]
                 waiting += 1
     return found

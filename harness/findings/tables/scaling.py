@@ -21,6 +21,7 @@ import pandas as pd
 from plumbline.harness.findings.columns import Column, Table, at, scene
 from plumbline.harness.findings.cost_point import BlockSample, Clock, SampledBlock, ratio_in_blocks, samples_by_block
 from plumbline.harness.findings.emulations import share_in_words
+from plumbline.harness.findings.once import once
 from plumbline.harness.findings.parameter_words import called, differing, other_values, said, substeps_taken
 from plumbline.harness.statistics.interval import Interval
 from plumbline.harness.statistics.order import FEWEST, Order, fit_order
@@ -416,12 +417,14 @@ def _size(value: Any) -> tuple[int, float, str]:
     return (0, float(value), "") if isinstance(value, int | float) else (1, 0.0, str(value))
 
 
+scaling_of = once(Scaling)
+
 TABLE = Table(
     # 'cost' rows and 'exponent' rows share the columns; what a row has not is None, and so an exponent not known.
     holds="row case where engine track unit cpu_s(cpu_low_s,cpu_high_s)=cpu to_fastest.. reference.. reference_setting "
     "penetration_m=penetration residual_m_s=residual error error_metric best exponent.. unstable status reason dt substeps "
     "trial clocks workers units to_plain.. rate_per_s=rate efficiency.. emulated",
-    objects=lambda store: Scaling(store).rows,
+    objects=lambda store: scaling_of(store).rows,
     shown=(
         Column("scene", scene),
         Column("engine", "engine"),

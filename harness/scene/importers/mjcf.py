@@ -14,30 +14,30 @@ from plumbline.harness.intake.documents import named
 from plumbline.harness.intake.error import RobotError, listed
 from plumbline.harness.intake.near_miss import did_you_mean
 from plumbline.harness.intake.safe_text import quoted, readable
-from plumbline.harness.scene.importers import (
-    mjcf_actuators,
-    mjcf_contacts,
-    mjcf_sensors,
-    mjcf_shapes,
-)
+from plumbline.harness.scene.importers import mjcf_actuators, mjcf_contacts, mjcf_sensors, mjcf_shapes, urdf
 from plumbline.harness.scene.importers.companion import Cameras
 from plumbline.harness.scene.importers.fidelity import Fidelity
-from plumbline.harness.scene.importers.files import Folders
+from plumbline.harness.scene.importers.files import text_of
+from plumbline.harness.scene.importers.importer import Reading
 from plumbline.harness.scene.importers.mjcf_model import Model, compile_apart
 from plumbline.harness.scene.importers.mjcf_text import Prepared, prepared
 from plumbline.harness.scene.importers.poses import Array, Pose, matrix, pose
 from plumbline.harness.scene.importers.robot import Closure, Coordinate, Kind, Link, Need, Robot, Solid, Tie
-from plumbline.harness.scene.importers.xml_text import Element
+from plumbline.harness.scene.importers.xml_text import elements
 
 _KINDS: dict[str, Kind] = {"hinge": "revolute", "slide": "prismatic", "ball": "ball", "free": "free"}
 
 
-def read(path: Path, root: Element, folders: Folders, keyframe: str | None = None, cameras: Cameras | None = None) -> Robot:
-    """The robot of an MJCF file whose text is read. Args: keyframe: the pose of the start. Raises: RobotError."""
-    text = prepared(root, folders)
-    model = compile_apart(text, named(path))
+def read(path: Path, reading: Reading) -> Robot:
+    """The robot of an MJCF file, or of a URDF with its ending. Raises: RobotError."""
+    where = named(path)
+    root = elements(text_of(path, where), where)
+    if root.tag == "robot":
+        return urdf.read(path, reading)
+    text = prepared(root, reading.folders)
+    model = compile_apart(text, where)
     name = readable(root.attributes.get("model", ""), 100) or path.stem
-    return robot_of(model, text, name, named(path), keyframe, cameras)
+    return robot_of(model, text, name, where, reading.companion.keyframe, reading.companion.cameras)
 
 
 def robot_of(
@@ -94,6 +94,7 @@ def robot_of(
         sensors=(*sensors, *seen),
         rows=tuple(rows),
         needs=tuple(needs),
+        wordless=frozenset({"speed"}),
         source=source,
     )
 

@@ -13,7 +13,7 @@ from plumbline.harness.scene.importers.decomposition import pieces_of
 from plumbline.harness.scene.importers.fidelity import Fidelity
 from plumbline.harness.scene.importers.files import Folders
 from plumbline.harness.scene.importers.meshes import coarser, hull_of, load_mesh, simplified
-from plumbline.harness.scene.importers.poses import IDENTITY, Array, Pose
+from plumbline.harness.scene.importers.poses import IDENTITY, Array, Pose, rolled
 from plumbline.harness.scene.importers.robot import Geometry, Look, Solid
 from plumbline.harness.scene.importers.solids import moved, of_mesh, of_shape, together
 from plumbline.harness.scene.importers.urdf_grammar import numbers
@@ -182,15 +182,7 @@ def pose_of(element: Element) -> Pose:
         return IDENTITY
     xyz, rpy = (numbers(origin, name, (3,)) or (0.0, 0.0, 0.0) for name in ("xyz", "rpy"))
     p = np.array(xyz) + 0.0  # no zero with a sign
-    if not any(rpy):
-        return Pose(IDENTITY.R, p)
-    (sr, sp, sy), (cr, cp, cy) = np.sin(rpy), np.cos(rpy)
-    R = [
-        [cp * cy, sp * (sr * cy) - cr * sy, sp * (cr * cy) + sr * sy],
-        [cp * sy, sp * (sr * sy) + cr * cy, sp * (cr * sy) - sr * cy],
-        [-sp, cp * sr, cp * cr],
-    ]
-    return Pose(np.array(R) + 0.0, p)
+    return Pose(rolled(rpy) if any(rpy) else IDENTITY.R, p)
 
 
 def _form(element: Element) -> Element:

@@ -133,15 +133,15 @@ class Marks:
         """Open for the defaults, half filled for what is neither of the two tracks where 'tuned' is drawn too."""
         return OPEN if track == "default" else HALF if track != "tuned" and "tuned" in self.tracks else 1
 
-    def channels(self) -> Row:
-        """All channels of a point."""
+    def channels(self, tooltip: Sequence[Channel] = ()) -> Row:
+        """All channels of a point. Args: tooltip: what hovering shows, if not what it shows of a trial."""
         filled = [self._filling(track) for track in self.tracks]
         return {
             "color": self.colour(),
             "stroke": self.colour(),
             "shape": channel("engine:N", title=None, scale={"domain": self.engines, "range": self.paths}),
             "fillOpacity": channel("track:O", title=None, scale={"type": "ordinal", "domain": self.tracks, "range": filled}),
-            "tooltip": self.tooltip(),
+            "tooltip": list(tooltip) or self.tooltip(),
         }
 
 

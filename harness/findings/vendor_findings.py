@@ -111,11 +111,7 @@ def read_finding(path: Path) -> Finding:
         raise FindingError(f"{path}: tool.finding.engine: '{table.engine}', in the folder of '{path.parent.name}'")
     fields: dict[str, Any] = {name: tuple(value) if isinstance(value, list) else value for name, value in table}
     return Finding(
-        name=f"{table.engine}/{path.stem}",
-        requires=tuple(head.get("dependencies", ())),
-        script=path,
-        text=text,
-        **fields,
+        name=f"{table.engine}/{path.stem}", requires=tuple(head.get("dependencies", ())), script=path, text=text, **fields
     )
 
 

@@ -4,7 +4,7 @@ The charts of noise against its law: Allan deviation, range errors, and depth er
 """
 
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from operator import attrgetter
 from typing import Any
 
@@ -15,16 +15,12 @@ from plumbline.harness.store.store import Store
 from plumbline.reports.charts.figure import Figure, tabled
 from plumbline.reports.charts.grammar import Row, channel, chart, fixed, hovering
 from plumbline.reports.charts.marks import POINT, Marks, decades, finished, logarithmic
+from plumbline.reports.words.called import WORDS
 from plumbline.reports.words.catalogue import labels, titled
 from plumbline.reports.words.status import outcome
 from plumbline.reports.words.text import slug, unit_text, visible
 
-UNITS: Mapping[str, str] = {
-    "m": "Ranges and depths",
-    "m/s2": "Accelerations",
-    "rad/s": "Turning rates",
-    "1": "Intensity of light",
-}
+UNITS = WORDS["signals"]
 """Titles of the charts by unit, in the order of the page."""
 
 

@@ -15,6 +15,7 @@ from typing import Any
 
 from plumbline.harness.store.store import Store
 from plumbline.reports.charts.grammar import Channel, Row, channel, chart, fixed, layered
+from plumbline.reports.words.called import WORDS
 from plumbline.reports.words.catalogue import labels
 from plumbline.reports.words.text import amount
 
@@ -79,22 +80,8 @@ LANE = 15
 SHARES: Row = {"labelExpr": "round(100 * datum.value) + ' %'"}
 """The axis of a share, in per cent."""
 NUMBERS = ("dt", "error", "pace", "cpu", "low", "high")
-HOVER = {
-    "engine": "engine",
-    "track": "track",
-    "status": "outcome",
-    "reason": "reason",
-    "case": "case",
-    "dt": "time step [ms]",
-    "step": "time step",
-    "error": "error",
-    "pace": "times real time",
-    "cpu": "CPU time per simulated second [s]",
-    "low": "95 % from [s]",
-    "high": "to [s]",
-    "settings": "settings",
-    "trial": "trial",
-}
+HOVER = WORDS["hovering"]
+"""What hovering shows of a trial, by field."""
 
 
 class Marks:

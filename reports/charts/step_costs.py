@@ -15,19 +15,11 @@ from plumbline.harness.store.store import Store
 from plumbline.reports.charts.figure import Figure, tabled
 from plumbline.reports.charts.grammar import Row, channel, chart, fixed, hovering
 from plumbline.reports.charts.marks import POINT, Marks, at_values, decades, finished, logarithmic, short
+from plumbline.reports.words.called import WORDS
 from plumbline.reports.words.catalogue import labels, setting_words, titled
 from plumbline.reports.words.text import visible
 
-UNITS = {
-    "step": "step",
-    "ray": "ray",
-    "world-step": "step of one world",
-    "cast": "cast of all rays",
-    "batch-step": "step of all worlds",
-    "read-step": "step whose state is read",
-    "call": "call that takes no step",
-    "sensing": "interval of all sensors",
-}
+UNITS = WORDS["units"]
 LANE = 15
 """Height of a line of text in a chart [px]."""
 QUALITIES = 4

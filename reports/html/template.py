@@ -57,7 +57,7 @@ class CompiledTemplates(BytecodeCache):
 
     def __init__(self, filters: Iterable[Any]) -> None:
         texts = {Path(inspect.getfile(inspect.unwrap(call))) for call in filters}
-        texts |= {path for room in ("html", "words") for path in (Path(__file__).parents[1] / room).glob("*.py")}
+        texts |= {path for room in ("html", "words") for path in (Path(__file__).parents[1] / room).glob("*.*")}
         digest = hashlib.sha256(bc_magic + version("jinja2").encode())
         for path in sorted(texts):
             digest.update(hashlib.sha256(path.read_bytes()).digest())

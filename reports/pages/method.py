@@ -9,19 +9,13 @@ from pandas import Series
 from plumbline.harness.store.rows import grouped
 from plumbline.harness.store.store import Store
 from plumbline.reports.html.template import filled_page
+from plumbline.reports.words.called import WORDS
 from plumbline.reports.words.catalogue import cases
 from plumbline.reports.words.citation import citation
 from plumbline.reports.words.emulated_features import own_everywhere, told_apart
 from plumbline.reports.words.glossary import indexed
 
-TRUTHS = {
-    "closed form": "a formula of the motion, or of what it comes to",
-    "converged reference": "equations of motion of the scene alone, integrated by SciPy at two tolerances that tell the error",
-    "conservation": "what no force of the scene changes: energy, momentum, a passage that there must not be",
-    "rest": "statics: what stands in equilibrium stays",
-    "statistics": "the law that readings or ensembles are drawn by",
-    "agreed limit": "no truth: what each engine comes to at ever smaller steps, where engines agree on it",
-}
+TRUTHS = WORDS["truths"]
 """By kind, what judges; the reference engine is none of them."""
 
 

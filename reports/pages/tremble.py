@@ -6,14 +6,9 @@ from typing import Any
 from plumbline.harness.findings.tables.tremble import CHANGES, CURED, findings
 from plumbline.harness.store.store import Store
 from plumbline.reports.html.template import filled_page
+from plumbline.reports.words.called import WORDS
 
-HEADS = {
-    "iterations": "more iterations",
-    "law": "other law",
-    "softer": "softer drives",
-    "step": "shorter step",
-    "product": "both at one k dt²",
-}
+HEADS = WORDS["changes"]
 """The changes in the words of a table's head."""
 
 

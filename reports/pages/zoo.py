@@ -9,9 +9,9 @@ from plumbline.harness.store.store import Store
 from plumbline.harness.store.zoo_record import entries
 from plumbline.reports.html.template import filled_page
 from plumbline.reports.pictures.case_pictures import sight
-from plumbline.reports.tables.own_scenes import NOT_RUN, STAGES, inside, outside, waiting
+from plumbline.reports.tables.own_scenes import STAGES, inside, outside, waiting
 from plumbline.reports.words.catalogue import engines
-from plumbline.reports.words.status import VERDICTS
+from plumbline.reports.words.status import NOT_RUN, VERDICTS
 
 
 def concerns(store: Store) -> bool:

@@ -172,12 +172,7 @@ def whole(sweep: Sweep) -> Sweep:
     unit, name = WHOLE[sweep.unit]
     kept = [{n: v for n, v in row.parameters.items() if n != sweep.parameter} for row in sweep.rows]
     rows = [
-        replace(
-            row,
-            unit=unit,
-            parameters=others | {name: row.units},
-            cpu=row.cpu and row.cpu.times(row.units),
-        )
+        replace(row, unit=unit, parameters=others | {name: row.units}, cpu=row.cpu and row.cpu.times(row.units))
         for row, others in zip(sweep.rows, kept, strict=True)
     ]
     return replace(sweep, unit=unit, parameter=name, rows=tuple(sorted(rows, key=lambda row: row.units)))

@@ -67,11 +67,7 @@ def _law(a: _Sort, b: _Sort, keys: dict[_Sort, str]) -> Surface | None:
         chosen = a if a.priority > b.priority else b
         friction, dimension = chosen.friction, chosen.condim
     else:
-        friction = (
-            max(a.friction[0], b.friction[0]),
-            max(a.friction[1], b.friction[1]),
-            max(a.friction[2], b.friction[2]),
-        )
+        friction = (max(a.friction[0], b.friction[0]), max(a.friction[1], b.friction[1]), max(a.friction[2], b.friction[2]))
         dimension = max(a.condim, b.condim)
     return _surface((keys[a], keys[b]), friction, dimension)
 

@@ -8,15 +8,7 @@ import numpy as np
 
 from plumbline.harness.intake.error import RobotError
 from plumbline.harness.intake.import_wishes import Scenario, Wishes
-from plumbline.harness.scene import (
-    Body,
-    Distance,
-    Fixed,
-    PlacedShape,
-    Plane,
-    Scene,
-    Vector3,
-)
+from plumbline.harness.scene import Body, Distance, Fixed, PlacedShape, Plane, Scene, Vector3
 from plumbline.harness.scene.importers.companion import Companion, Ground
 from plumbline.harness.scene.importers.consequences import Massive, inertias
 from plumbline.harness.scene.importers.fidelity import Fidelity

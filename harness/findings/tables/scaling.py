@@ -23,6 +23,7 @@ from plumbline.harness.findings.cost_point import BlockSample, Clock, SampledBlo
 from plumbline.harness.findings.emulations import share_in_words
 from plumbline.harness.findings.once import once
 from plumbline.harness.findings.parameter_words import called, differing, other_values, said, substeps_taken
+from plumbline.harness.findings.spoken import SPOKEN
 from plumbline.harness.statistics.interval import Interval
 from plumbline.harness.statistics.order import FEWEST, Order, fit_order
 from plumbline.harness.store.rows import finite
@@ -190,13 +191,7 @@ def no_worse(own: Cost, other: Cost) -> bool:
 
 _REASON = 64
 """Characters of why a priced run failed; what an engine could not hold comes first, and the whole is in the CSV."""
-CLOCKED = {
-    "work": "step alone",
-    "reading": "step and reading",
-    "call": "empty call",
-    "casting": "bare rays",
-    "sensing": "sensing",
-}
+CLOCKED = SPOKEN["clocked"]
 """What runs under the clock, in the words that set the rows apart."""
 
 

@@ -254,12 +254,7 @@ def _closures(model: Model, names: list[str], rows: list[Fidelity], needs: list[
                 R_AB=matrix(data[6:10]) if word == "weld" else None,
             )
         )
-    rows += Fidelity.approximated(
-        "equality",
-        [closure.name for closure in closures],
-        "joints as each engine makes them",
-        consequence="softness of the file's own solref and solimp is not carried over",
-    )
+    rows += Fidelity.told("equality", [closure.name for closure in closures])
     return closures
 
 
@@ -323,18 +318,6 @@ def _beside(model: Model, text: Prepared, cords: Container[int]) -> list[Fidelit
     rows += Fidelity.approximated("mocap body", held, "a static body", consequence="nothing moves it from outside")
     soft = [model.name("joint", k) for k in range(len(model.jnt_limited)) if model.jnt_limited[k]]
     if soft and not model.flag("limit"):
-        rows += Fidelity.approximated(
-            "range",
-            soft,
-            "limits as each engine makes them",
-            consequence="how far a joint gives at its end is each engine's own, not the file's solref and solimp; "
-            "margins are left out",
-        )
-    rows += Fidelity.left_out(
-        "option",
-        "",
-        "time step, integrator and solver are settings of a run and no part of a scene; the file's time step is",
-        value=float(model.opt_timestep),
-        unit="s",
-    )
+        rows += Fidelity.told("range", soft)
+    rows += Fidelity.told("option", "", float(model.opt_timestep))
     return rows

@@ -329,9 +329,7 @@ def _rows(left: sdf_grammar.SdfLeft, others: list[str], links: dict[str, _Placed
         rows += Fidelity.left_out(tag, owners, sdf_grammar.why(tag))
     for label, owners in left.unknown.items():
         rows += Fidelity.left_out(label, owners, "no word of SDF, and near none that changes the motion")
-    rows += Fidelity.left_out(
-        "model", others, "it stands still beside the robot; [ground] of the companion file makes a ground"
-    )
+    rows += Fidelity.told("other models", others)
     alone = [name for name, placed in links.items() if flag(placed.element, "self_collide")]
     rows += Fidelity.left_out("self_collide", alone, "the model says whether its links touch each other, and not one of them")
     return rows

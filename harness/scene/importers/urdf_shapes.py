@@ -157,21 +157,11 @@ class Shapes:
             )
         rows += coarser(self._coarser)
         for why, links in self._missing.items():
-            rows += Fidelity.left_out(
-                "collision mesh", links, f"{why}: nothing touches these shapes, masses and joints stay as they are"
-            )
+            rows += Fidelity.told("mesh not read", links, why=why)
         for links, word in ((self._filled, "mass and inertia"), (self._spread, "inertia")):
-            rows += Fidelity.approximated(
-                "inertial", links, f"{word} of the collision shapes, filled evenly", consequence="the file gives none"
-            )
+            rows += Fidelity.told("inertia of shapes", links, word=word)
         if self._drawn:
-            rows += Fidelity.left_out(
-                "visual",
-                "",
-                "pictures and cameras see what collides",
-                count=self._drawn,
-                becomes="the collision shapes are drawn",
-            )
+            rows += Fidelity.told("visual", "", count=self._drawn)
         return rows
 
 

@@ -12,10 +12,10 @@ MOMENT = 0.4 * 0.2**2
 
 def stiff(here: rapier.PhysicsWorld, ratio: float, in_bias: bool, rate: float = 0.125) -> rapier.PhysicsWorld:
     """Contacts of `rate` times the rate of sub-steps and this damping ratio. Args: in_bias: is friction in the biased pass."""
-    told = here.integration_parameters
-    spring = rapier.SpringCoefficients(rate * told.num_solver_iterations / told.dt, ratio)
-    told.contact_softness = told.static_contact_softness = spring
-    told.friction_in_bias_pass, told.contact_recycling = in_bias, False
+    parameters = here.integration_parameters
+    spring = rapier.SpringCoefficients(rate * parameters.num_solver_iterations / parameters.dt, ratio)
+    parameters.contact_softness = parameters.static_contact_softness = spring
+    parameters.friction_in_bias_pass, parameters.contact_recycling = in_bias, False
     return here
 
 

@@ -18,8 +18,7 @@ import numpy as np
 from plumbline.engine.compile.jit import entry, kernel
 from plumbline.engine.maths.elementary import hypot
 from plumbline.engine.maths.rows import Floats, Ints
-from plumbline.engine.respond.exact.law import after, breach
-from plumbline.engine.respond.exact.scaled import write_scale
+from plumbline.engine.respond.exact.law import after, breach, write_scale
 
 
 @kernel

@@ -28,7 +28,7 @@ from plumbline.engine.respond.substep import approach, sum_impulses
 from plumbline.engine.steps.count_step import count_step
 
 BROUGHT, FRICTION, RESTITUTION, APART, COLUMNS = 0, 3, 4, 5, 6
-"""Columns of what is said of a contact: the impulse (3) N s that it brings, along its rows; Coulomb's and Newton's coefficients;
+"""Columns of what is said of a contact: the impulse (3) N s that it brings, along its rows, Coulomb's and Newton's coefficient,
 and its gap [m]."""
 
 

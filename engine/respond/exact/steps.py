@@ -90,12 +90,7 @@ class ExactSteps:
         self._bounces = any(law.restitution > 0.0 for law in surfaces)
         self._h, self._substeps = options.dt / options.substeps, options.substeps
         self._tolerance, self._effort = options.tolerance, options.effort
-        self._residual, self._solves, self._missed, self._crowded, self._lessened = 0.0, 0, 0, 0, 0
-
-    @property
-    def certificate(self) -> Certificate:
-        """What was certified so far."""
-        return Certificate(self._residual, self._solves, self._missed, self._crowded, self._lessened)
+        self.certificate = Certificate()
 
     def retime(self, dt: float) -> None:
         """The length [s] of the steps to come."""
@@ -158,7 +153,7 @@ class ExactSteps:
         lift = closing(made, left)
         if self._bounces and (struck := np.isfinite(time_to_blow(state, made, left, slow))).any():
             lift = np.where(struck, rebound(state, made, struck), lift)
-            self._crowded += 1
+            self.certificate = replace(self.certificate, crowded=self.certificate.crowded + 1)
         self._respond(floats, ints, made, lift, left, pace)
         return bool(drift_touched(floats, ints, h - passed, last))
 
@@ -185,10 +180,14 @@ class ExactSteps:
             give(floats, ints, held, beside, solution.impulse)
         else:
             give_impulses(floats, ints, made.points, made.body, made.row, np.ascontiguousarray(solution.impulse), 1)
-        self._residual = max(self._residual, solution.residual)
-        self._solves += 1
-        self._missed += int(solution.residual > self._tolerance)
-        self._lessened += lessened
+        so_far = self.certificate
+        self.certificate = replace(
+            so_far,
+            residual=max(so_far.residual, solution.residual),
+            solves=so_far.solves + 1,
+            missed=so_far.missed + int(solution.residual > self._tolerance),
+            lessened=so_far.lessened + lessened,
+        )
 
     def _solve(self, problem: Problem, guess: Floats | None = None) -> Solution:
         """A problem under the options of the world. Args: guess: impulses (k, 3) N s to start from."""

@@ -20,8 +20,7 @@ from plumbline.engine.articulated.forces import load_links, weigh_links
 from plumbline.engine.articulated.motion import move_links, rates_of
 from plumbline.engine.articulated.tables import POSE, Trees
 from plumbline.engine.compile.jit import kernel
-from plumbline.engine.constrain.coordinate import explicit_force
-from plumbline.engine.constrain.stiffness import DAMPED, STIFF
+from plumbline.engine.constrain.coordinate import DAMPED, STIFF, explicit_force
 from plumbline.engine.integrate import runge_kutta as explicit
 from plumbline.engine.integrate.runge_kutta import DORMAND_PRINCE, RK4, Trial, quat_rate
 from plumbline.engine.maths.rows import Floats, load4, store3, store4

@@ -26,7 +26,7 @@ Deviations:
       shapes that meet: half the gap off.
     * The limits of swing of SAPIEN's constraints do nothing: hinges, slides and welds that are constraints are held at a second
       point, a metre along their axis. Under PGS velocities fit the poses at the start of the sub-step, and joints take the
-      turning of a body that is led for nought: 'tuned' takes TGS for joints, and PGS that is told is refused for these.
+      turning of a body that is led for nought: 'tuned' takes TGS for constraints, and PGS that is told is refused for these.
     * Continuous collision is switched on for a scene and for none of its bodies: scenes that call for it run without.
     * Under TGS drives of constraints exceed their law, by 5 % at 10 iterations and 1 % at 50, and under both solvers they take
       the limit of a force for that of an impulse: springs and drives are
@@ -138,7 +138,7 @@ ADAPTER = SapienAdapter(
                 "capped": False,
                 "damping": "scene",
             },
-            source="TGS for joints and unlike masses: PhysX 5 API reference, PxSolverType; no bounce threshold, sleep, caps of "
+            source="TGS for joints that are constraints and unlike masses: PhysX 5 API reference, PxSolverType; no bounce threshold, sleep, caps of "
             "velocity and damping that the scene does not ask for, under PGS overlaps part by 0.1 m/s at most: PhysX 5 guide, "
             "Rigid Body Dynamics; 50 iterations, TGS for rebounds and what turns on its feet, and else PGS: our own "
             "measurements (six boxes at rest tremble by 13 mm/s under TGS at 10, by 0.09 mm/s under PGS at 50; a ball on a "

@@ -138,11 +138,11 @@ ADAPTER = SapienAdapter(
                 "capped": False,
                 "damping": "scene",
             },
-            source="TGS for joints that are constraints and unlike masses: PhysX 5 API reference, PxSolverType; no bounce threshold, sleep, caps of "
-            "velocity and damping that the scene does not ask for, under PGS overlaps part by 0.1 m/s at most: PhysX 5 guide, "
-            "Rigid Body Dynamics; 50 iterations, TGS for rebounds and what turns on its feet, and else PGS: our own "
-            "measurements (six boxes at rest tremble by 13 mm/s under TGS at 10, by 0.09 mm/s under PGS at 50; a ball on a "
-            "turntable is off by 60 times its bound under PGS, by .2 under TGS)",
+            source="TGS for constraints and unlike masses: PhysX 5 API reference, PxSolverType; no bounce threshold, sleep, "
+            "caps of velocity and damping that the scene does not ask for, and under PGS overlaps part by 0.1 m/s at most: "
+            "PhysX 5 guide, Rigid Body Dynamics; 50 iterations, TGS for springs, rebounds and what turns on its feet, and else "
+            "PGS: our own measurements (six boxes at rest tremble by 13 mm/s under TGS at 10, by 0.09 mm/s under PGS at 50; a "
+            "ball on a turntable is off by 60 times its bound under PGS, by .2 under TGS)",
         ),
     },
     known_failures={

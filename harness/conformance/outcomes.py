@@ -7,7 +7,8 @@ from typing import Literal
 from plumbline.harness.adapter import Adapter, SettingsError, Unsupported
 from plumbline.harness.conformance.catalogue import CHECKS
 from plumbline.harness.conformance.check import CheckResult, ConformanceCheck, NotApplicable
-from plumbline.harness.conformance.checks.contract.features import refusal
+from plumbline.harness.conformance.checks.contract.features import NotRefused, refused
+from plumbline.harness.conformance.engine import Engine
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -51,10 +52,12 @@ def _finding(adapter: Adapter, track: str, check: ConformanceCheck) -> CheckResu
         settings = adapter.tracks[track]
         missing = check.needs & ~adapter.features
         if missing:
-            return refusal(adapter, settings, missing)
+            return CheckResult("not_applicable", refused(Engine(adapter, settings), missing))
         return check.run(adapter, settings)
     except NotApplicable as reason:
         return CheckResult("not_applicable", str(reason))
+    except NotRefused as error:
+        return CheckResult("failed", str(error))
     except Unsupported as error:
         claimed = ", ".join(check.needs.names) or "nothing in particular"
         return CheckResult("failed", f"Unsupported: {error}; the check needs {claimed}, which the engine claims")

@@ -1,22 +1,29 @@
 """Scenes that the checks share, and closed forms and independent integration that they compare with."""
 
 from dataclasses import replace
+from math import cos, sin, sqrt
 from typing import Any
 
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from plumbline.harness.adapter import Adapter, Feature
-from plumbline.harness.conformance.check import NotApplicable
+from plumbline.harness.adapter import Feature
+from plumbline.harness.conformance.check import Compared, NotApplicable, near
+from plumbline.harness.conformance.engine import Engine
 from plumbline.harness.scene import (
+    WORLD,
     Body,
     Box,
     Capsule,
     Cylinder,
+    Distance,
     Ellipsoid,
+    Matrix3,
     PlacedShape,
     Plane,
+    Prismatic,
     Quaternion,
+    Revolute,
     Scene,
     Shape,
     Sphere,
@@ -41,6 +48,24 @@ def rotation(q: Any) -> Floats:
 def angle_between(a: Any, b: Any) -> float:
     """The angle [rad] of the rotation between two quaternions, which may differ in sign and length; NaN stays NaN."""
     return float(kinematics.angle_between(np.asarray(a, dtype=np.float64), np.asarray(b, dtype=np.float64)))
+
+
+def aligned(what: str, got: Any, expected: Any, within: float, because: str = "") -> Compared:
+    """Are the angles [rad] between orientations (4,) or (k, 4) within `within`? NaN is near to nothing."""
+    off = kinematics.angle_between(np.asarray(got, dtype=np.float64), np.asarray(expected, dtype=np.float64))
+    return near(what, off, np.zeros_like(off), within, because)
+
+
+def swing(moment: float, inertia: float, t: float) -> tuple[float, float]:
+    """Angle [rad] and rate after t [s] of inertia a'' = -moment sin a [kg m2, N m], from rest at 1 rad."""
+    motion = solve_ivp(lambda _, y: (y[1], -moment * sin(y[0]) / inertia), (0, t), (1.0, 0.0), rtol=1e-10, atol=1e-10)
+    angle, rate = motion.y[:, -1]
+    return angle, rate
+
+
+def pendulum_end(distance: float, angle: float) -> Vector3:
+    """Where the end of a pendulum of that length [m] is that turns about y through the origin."""
+    return (-distance * sin(angle), 0.0, -distance * cos(angle))
 
 
 def turned_by(q: Quaternion, w: Any, t: float) -> Floats:
@@ -128,8 +153,25 @@ def first_hit(shape: Shape, o: Floats, d: Floats) -> float:
 G = 9.81
 """Size of the gravity of the scenes here [m/s2]."""
 
+ORIGIN: Vector3 = (0.0, 0.0, 0.0)
+X: Vector3 = (1.0, 0.0, 0.0)
+Y: Vector3 = (0.0, 1.0, 0.0)
+Z: Vector3 = (0.0, 0.0, 1.0)
+UPRIGHT: Quaternion = (1.0, 0.0, 0.0, 0.0)
 TURNED: Quaternion = multiply(axis_angle((0.0, 0.0, 1.0), 0.7), axis_angle((1.0, 2.0, 3.0), 1.1))
 """A rotation without any symmetry: four different components, none of them zero."""
+
+
+def vector(row: Any) -> Vector3:
+    """The numbers of a row (3,), as a scene takes them."""
+    x, y, z = (float(c) for c in row)
+    return x, y, z
+
+
+def symmetric(matrix: Floats) -> Matrix3:
+    """A matrix (3, 3) made symmetric to the last bit, as a scene takes an inertia."""
+    a, b, c = (vector(row) for row in (matrix + matrix.T) / 2)
+    return a, b, c
 
 
 def free(
@@ -137,10 +179,10 @@ def free(
     *,
     mass: float = 2.0,
     moments: Vector3 = (0.3, 0.3, 0.3),
-    p: Vector3 = (0.0, 0.0, 0.0),
-    q: Quaternion = (1.0, 0.0, 0.0, 0.0),
-    v: Vector3 = (0.0, 0.0, 0.0),
-    w: Vector3 = (0.0, 0.0, 0.0),
+    p: Vector3 = ORIGIN,
+    q: Quaternion = UPRIGHT,
+    v: Vector3 = ORIGIN,
+    w: Vector3 = ORIGIN,
 ) -> Body:
     """A body without a shape: mass [kg] and principal moments [kg m2] alone."""
     return Body(name=name, mass=mass, inertia=principal_inertia(*moments), p_WB=p, q_WB=q, v_WB=v, w_WB=w)
@@ -151,9 +193,15 @@ def damped(body: Body, *, linear: float = 0.0, angular: float = 0.0) -> Body:
     return replace(body, linear_damping=linear, angular_damping=angular)
 
 
-def without_gravity(*bodies: Body) -> Scene:
-    """Bodies that meet nobody, in empty space."""
-    return Scene(bodies=bodies, gravity=(0.0, 0.0, 0.0))
+def without_gravity(*bodies: Body, **fields: Any) -> Scene:
+    """Bodies in empty space; `fields` are those of a scene."""
+    return Scene(bodies=bodies, gravity=ORIGIN, **fields)
+
+
+def shaped(name: str, *shapes: Shape | PlacedShape, material: str = "block", **fields: Any) -> Body:
+    """A body of these shapes, each at the centre of mass unless it is placed; `fields` are those of a body."""
+    placed = tuple(shape if isinstance(shape, PlacedShape) else PlacedShape(shape=shape) for shape in shapes)
+    return Body(name=name, collision=placed, material=material, **fields)
 
 
 def block(
@@ -162,23 +210,14 @@ def block(
     half: Vector3 = (0.2, 0.2, 0.05),
     mass: float = 1.0,
     p: Vector3 = (0.0, 0.0, 0.05),
-    q: Quaternion = (1.0, 0.0, 0.0, 0.0),
-    v: Vector3 = (0.0, 0.0, 0.0),
-    w: Vector3 = (0.0, 0.0, 0.0),
+    q: Quaternion = UPRIGHT,
+    v: Vector3 = ORIGIN,
+    w: Vector3 = ORIGIN,
     material: str = "block",
 ) -> Body:
     """A uniform box of half extents `half` [m]."""
-    return Body(
-        name=name,
-        mass=mass,
-        inertia=box_inertia(mass, half),
-        collision=(PlacedShape(shape=Box(half_extents=half)),),
-        material=material,
-        p_WB=p,
-        q_WB=q,
-        v_WB=v,
-        w_WB=w,
-    )
+    body, inertia = shaped(name, Box(half_extents=half), material=material, mass=mass), box_inertia(mass, half)
+    return replace(body, inertia=inertia, p_WB=p, q_WB=q, v_WB=v, w_WB=w)
 
 
 def ball(
@@ -187,56 +226,61 @@ def ball(
     radius: float = 0.1,
     mass: float = 1.0,
     p: Vector3 = (0.0, 0.0, 0.1),
-    v: Vector3 = (0.0, 0.0, 0.0),
-    w: Vector3 = (0.0, 0.0, 0.0),
-    material: str = "block",
+    v: Vector3 = ORIGIN,
+    w: Vector3 = ORIGIN,
 ) -> Body:
     """A uniform sphere of `radius` [m]."""
-    return Body(
-        name=name,
-        mass=mass,
-        inertia=sphere_inertia(mass, radius),
-        collision=(PlacedShape(shape=Sphere(radius=radius)),),
-        material=material,
-        p_WB=p,
-        v_WB=v,
-        w_WB=w,
-    )
+    inertia = sphere_inertia(mass, radius)
+    return shaped(name, Sphere(radius=radius), mass=mass, inertia=inertia, p_WB=p, v_WB=v, w_WB=w)
 
 
-def static(
-    name: str,
-    shape: Shape,
-    *,
-    p: Vector3 = (0.0, 0.0, 0.0),
-    q: Quaternion = (1.0, 0.0, 0.0, 0.0),
-    material: str = "ground",
-) -> Body:
+def static(name: str, shape: Shape, *, p: Vector3 = ORIGIN, q: Quaternion = UPRIGHT, material: str = "ground") -> Body:
     """A shape that never moves."""
-    return Body(name=name, motion="static", collision=(PlacedShape(shape=shape),), material=material, p_WB=p, q_WB=q)
+    return shaped(name, shape, motion="static", material=material, p_WB=p, q_WB=q)
 
 
-def floor(adapter: Adapter, *, height: float = 0.0) -> Body:
-    """The ground at z = height [m]: a plane where the engine has one, else a box 40 m wide and 1 m thick."""
-    if Feature.PLANE in adapter.features:
-        return static("ground", Plane(), p=(0.0, 0.0, height))
-    if Feature.BOX in adapter.features:
-        return static("ground", Box(half_extents=(20.0, 20.0, 0.5)), p=(0.0, 0.0, height - 0.5))
+def static_cube(name: str, half: float, p: Vector3 = ORIGIN) -> Body:
+    """A static cube with edges of twice `half` [m]."""
+    return static(name, Box(half_extents=(half, half, half)), p=p)
+
+
+def revolute(name: str, child: str, anchor: Vector3, axis: Vector3, *, parent: str = WORLD, **laws: Any) -> Revolute:
+    """A hinge on the world or another body; `laws` are fields of a joint."""
+    return Revolute(name=name, parent=parent, child=child, anchor_W=anchor, axis_W=axis, **laws)
+
+
+def prismatic(name: str, child: str, anchor: Vector3, axis: Vector3, *, parent: str = WORLD, **laws: Any) -> Prismatic:
+    """A slide on the world or another body; `laws` are fields of a joint."""
+    return Prismatic(name=name, parent=parent, child=child, anchor_W=anchor, axis_W=axis, **laws)
+
+
+def tie(name: str, child: str, anchor: Vector3, child_anchor: Vector3, *, parent: str = WORLD, **laws: Any) -> Distance:
+    """A rod, or a spring, between points of the world or another body and of the child."""
+    return Distance(name=name, parent=parent, child=child, anchor_W=anchor, child_anchor_W=child_anchor, **laws)
+
+
+def floor(engine: Engine) -> Body:
+    """The ground at z = 0: a plane where the engine has one, else a box 40 m wide and 1 m thick."""
+    if Feature.PLANE in engine.features:
+        return static("ground", Plane())
+    if Feature.BOX in engine.features:
+        return static("ground", Box(half_extents=(20.0, 20.0, 0.5)), p=(0.0, 0.0, -0.5))
     raise NotApplicable("the engine claims neither a plane nor a box that could be the ground")
 
 
-def ground(friction: float = 0.0, restitution: float = 0.0, material: str = "block") -> Surface:
-    """The law between the ground and `material`."""
-    return Surface(between=("ground", material), static_friction=friction, kinetic_friction=friction, restitution=restitution)
+def lean(slope: float) -> Vector3:
+    """Gravity as it acts on a slope [1] that falls along x, in the frame of the slope [m/s2]."""
+    return (G * slope / sqrt(1 + slope**2), 0.0, -G / sqrt(1 + slope**2))
+
+
+def ground(friction: float = 0.0, restitution: float = 0.0, material: str = "block", other: str = "ground") -> Surface:
+    """The law between the ground, or another material, and `material`."""
+    return Surface.rough(friction, (other, material), restitution=restitution)
 
 
 def on_ground(
-    adapter: Adapter, *bodies: Body, friction: float = 0.5, restitution: float = 0.0, gravity: Vector3 = (0.0, 0.0, -G)
+    engine: Engine, *bodies: Body, friction: float = 0.5, restitution: float = 0.0, gravity: Vector3 = (0.0, 0.0, -G)
 ) -> Scene:
     """Bodies of material 'block' above the ground; among themselves they touch by the same law."""
-    laws = [ground(friction, restitution)]
-    if sum(b.movable for b in bodies) > 1:
-        laws.append(
-            Surface(between=("block", "block"), static_friction=friction, kinetic_friction=friction, restitution=restitution)
-        )
-    return Scene(bodies=(floor(adapter), *bodies), surfaces=tuple(laws), gravity=gravity)
+    among = [ground(friction, restitution, other="block")] if sum(b.movable for b in bodies) > 1 else []
+    return Scene(bodies=(floor(engine), *bodies), surfaces=(ground(friction, restitution), *among), gravity=gravity)

@@ -15,31 +15,17 @@ from typing import Any
 import numpy as np
 
 from plumbline.harness.adapter import Feature
+from plumbline.harness.conformance.frames import ORIGIN, TURNED, symmetric, vector
 from plumbline.harness.conformance.multibody import EndState, Multibody, matrix
-from plumbline.harness.conformance.scenes import ORIGIN, TURNED, G, free, prismatic, symmetric, tie, vector
-from plumbline.harness.scene import (
-    WORLD,
-    Ball,
-    Body,
-    Box,
-    Drive,
-    Joint,
-    Limits,
-    PlacedShape,
-    Prescribed,
-    Prismatic,
-    Quaternion,
-    Revolute,
-    Scene,
-    Shift,
-    Sinusoid,
-    Sphere,
-    Spring,
-    Turn,
-    Vector3,
-    axis_angle,
-    multiply,
-)
+from plumbline.harness.conformance.scenes import G, free, prismatic, tie
+from plumbline.harness.scene.body import Body, PlacedShape
+from plumbline.harness.scene.joint import WORLD, Ball, Drive, Joint, Limits, Prismatic, Revolute, Spring
+from plumbline.harness.scene.motion import Sinusoid
+from plumbline.harness.scene.prescribed import Prescribed, Shift, Turn
+from plumbline.harness.scene.rotation import axis_angle, multiply
+from plumbline.harness.scene.scene import Scene
+from plumbline.harness.scene.shape import Box, Sphere
+from plumbline.harness.scene.values import Quaternion, Vector3
 
 DURATION, STEP = 0.03, 1e-3
 """Seconds of motion, and the step that engines take it in."""

@@ -5,8 +5,10 @@ from typing import Any
 
 import numpy as np
 
+from plumbline.harness.conformance.closed_forms import first_hit
 from plumbline.harness.conformance.engine import COARSE, Engine, state_of
-from plumbline.harness.conformance.scenes import TURNED, first_hit, free, rotation, static, vector, without_gravity
+from plumbline.harness.conformance.frames import TURNED, rotation, vector
+from plumbline.harness.conformance.scenes import free, static, without_gravity
 from plumbline.harness.scene import Appearance, Body, Box, Scene, Sensor, axis_angle, multiply
 from plumbline.harness.sensors.recorder import SensorRecorder
 from plumbline.harness.trajectory import Floats, State

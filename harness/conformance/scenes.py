@@ -1,177 +1,23 @@
-"""Scenes that the checks share, and closed forms and independent integration that they compare with."""
+"""Scenes that the checks share: bodies, joints and the ground, with little said."""
 
 from dataclasses import replace
-from math import cos, sin, sqrt
+from math import sqrt
 from typing import Any
 
-import numpy as np
-from scipy.integrate import solve_ivp
-
 from plumbline.harness.adapter import Feature
-from plumbline.harness.conformance.check import Compared, NotApplicable, near
+from plumbline.harness.conformance.check import NotApplicable
 from plumbline.harness.conformance.engine import Engine
-from plumbline.harness.scene import (
-    WORLD,
-    Body,
-    Box,
-    Capsule,
-    Cylinder,
-    Distance,
-    Ellipsoid,
-    Matrix3,
-    PlacedShape,
-    Plane,
-    Prismatic,
-    Quaternion,
-    Revolute,
-    Scene,
-    Shape,
-    Sphere,
-    Surface,
-    Vector3,
-    axis_angle,
-    box_inertia,
-    multiply,
-    principal_inertia,
-    rotation_matrix,
-    sphere_inertia,
-)
-from plumbline.harness.trajectory import Floats, kinematics
-
-
-def rotation(q: Any) -> Floats:
-    """The matrix R_WB of a quaternion (w, x, y, z), shape (3, 3)."""
-    w, x, y, z = (float(c) for c in q)
-    return np.array(rotation_matrix((w, x, y, z)))
-
-
-def angle_between(a: Any, b: Any) -> float:
-    """The angle [rad] of the rotation between two quaternions, which may differ in sign and length; NaN stays NaN."""
-    return float(kinematics.angle_between(np.asarray(a, dtype=np.float64), np.asarray(b, dtype=np.float64)))
-
-
-def aligned(what: str, got: Any, expected: Any, within: float, because: str = "") -> Compared:
-    """Are the angles [rad] between orientations (4,) or (k, 4) within `within`? NaN is near to nothing."""
-    off = kinematics.angle_between(np.asarray(got, dtype=np.float64), np.asarray(expected, dtype=np.float64))
-    return near(what, off, np.zeros_like(off), within, because)
-
-
-def swing(moment: float, inertia: float, t: float) -> tuple[float, float]:
-    """Angle [rad] and rate after t [s] of inertia a'' = -moment sin a [kg m2, N m], from rest at 1 rad."""
-    motion = solve_ivp(lambda _, y: (y[1], -moment * sin(y[0]) / inertia), (0, t), (1.0, 0.0), rtol=1e-10, atol=1e-10)
-    angle, rate = motion.y[:, -1]
-    return angle, rate
-
-
-def pendulum_end(distance: float, angle: float) -> Vector3:
-    """Where the end of a pendulum of that length [m] is that turns about y through the origin."""
-    return (-distance * sin(angle), 0.0, -distance * cos(angle))
-
-
-def turned_by(q: Quaternion, w: Any, t: float) -> Floats:
-    """The orientation after turning with the constant angular velocity w [rad/s, in W] for t [s]."""
-    speed = float(np.linalg.norm(w))
-    axis = np.asarray(w) / speed
-    x, y, z = (float(c) for c in np.sin(speed * t / 2) * axis)
-    return np.array(multiply((float(np.cos(speed * t / 2)), x, y, z), q), dtype=np.float64)
-
-
-def turning(inertia: Any, q: Quaternion, w: Any, t: float, tau_W: Any = (0.0, 0.0, 0.0)) -> tuple[Floats, Floats]:
-    """Orientation and angular velocity in W after t [s] under a constant torque tau_W [N m].
-
-    Equation: w_B' = I^-1 (R^T tau_W - w_B x I w_B), q' = q (0, w_B) / 2.
-    Source: Goldstein, Classical Mechanics, 3rd ed., eq. 5.39; integrated by DOP853 at 1e-12.
-    """
-    tensor, torque = np.asarray(inertia, dtype=np.float64), np.asarray(tau_W, dtype=np.float64)
-
-    def rate(_: float, y: Floats) -> Floats:
-        w_B = y[4:]
-        q_dot = 0.5 * np.array(multiply((y[0], y[1], y[2], y[3]), (0.0, w_B[0], w_B[1], w_B[2])))
-        w_dot = np.linalg.solve(tensor, rotation(y[:4]).T @ torque - np.cross(w_B, tensor @ w_B))
-        return np.concatenate((q_dot, w_dot))
-
-    start = np.concatenate((q, rotation(q).T @ np.asarray(w, dtype=np.float64)))
-    end = solve_ivp(rate, (0.0, t), start, method="DOP853", rtol=1e-12, atol=1e-12).y[:, -1]
-    q_end = end[:4] / np.linalg.norm(end[:4])
-    return q_end, rotation(q_end) @ end[4:]
-
-
-def _ball(o: Floats, d: Floats, radius: float, centre: float) -> float:
-    c = o - np.array([0.0, 0.0, centre])
-    b = float(c @ d)
-    root = b * b - float(c @ c) + radius * radius
-    return -b - float(np.sqrt(root)) if root >= 0 and -b - np.sqrt(root) >= 0 else np.inf
-
-
-def _tube(o: Floats, d: Floats, radius: float, half_length: float) -> float:
-    a = float(d[:2] @ d[:2])
-    if a == 0:
-        return np.inf
-    b, c = float(o[:2] @ d[:2]), float(o[:2] @ o[:2]) - radius * radius
-    root = b * b - a * c
-    if root < 0:
-        return np.inf
-    t = (-b - float(np.sqrt(root))) / a
-    return t if t >= 0 and abs(o[2] + t * d[2]) <= half_length else np.inf
-
-
-def _caps(o: Floats, d: Floats, radius: float, half_length: float) -> float:
-    best = np.inf
-    for z in (-half_length, half_length):
-        if d[2] != 0:
-            t = (z - o[2]) / d[2]
-            if t >= 0 and float(np.hypot(*(o[:2] + t * d[:2]))) <= radius:
-                best = min(best, float(t))
-    return best
-
-
-def first_hit(shape: Shape, o: Floats, d: Floats) -> float:
-    """Distance [m] along the unit direction d from o, outside the shape, both in its frame S; inf for a miss."""
-    match shape:
-        case Sphere(radius=r):
-            return _ball(o, d, r, 0.0)
-        case Capsule(radius=r, half_length=h):
-            return min(_ball(o, d, r, -h), _ball(o, d, r, h), _tube(o, d, r, h))
-        case Cylinder(radius=r, half_length=h):
-            return min(_tube(o, d, r, h), _caps(o, d, r, h))
-        case Ellipsoid(semi_axes=semi_axes):
-            p, u = o / semi_axes, d / semi_axes
-            stretch = float(np.linalg.norm(u))
-            return _ball(p, u / stretch, 1.0, 0.0) / stretch
-        case Plane(normal=n):
-            across = float(np.dot(d, n))
-            return -float(np.dot(o, n)) / across if across < 0 else np.inf
-        case Box(half_extents=half):
-            with np.errstate(divide="ignore"):
-                a, b = (-np.array(half) - o) / d, (np.array(half) - o) / d
-            enter, leave = float(np.minimum(a, b).max()), float(np.maximum(a, b).min())
-            return enter if 0 <= enter <= leave else np.inf
-        case _:
-            raise NotImplementedError(f"no closed form for {shape.type}")
-
+from plumbline.harness.conformance.frames import ORIGIN, UPRIGHT
+from plumbline.harness.scene.body import Body, PlacedShape
+from plumbline.harness.scene.inertia import box_inertia, principal_inertia, sphere_inertia
+from plumbline.harness.scene.joint import WORLD, Distance, Prismatic, Revolute
+from plumbline.harness.scene.scene import Scene
+from plumbline.harness.scene.shape import Box, Plane, Shape, Sphere
+from plumbline.harness.scene.surface import Surface
+from plumbline.harness.scene.values import Quaternion, Vector3
 
 G = 9.81
 """Size of the gravity of the scenes here [m/s2]."""
-
-ORIGIN: Vector3 = (0.0, 0.0, 0.0)
-X: Vector3 = (1.0, 0.0, 0.0)
-Y: Vector3 = (0.0, 1.0, 0.0)
-Z: Vector3 = (0.0, 0.0, 1.0)
-UPRIGHT: Quaternion = (1.0, 0.0, 0.0, 0.0)
-TURNED: Quaternion = multiply(axis_angle((0.0, 0.0, 1.0), 0.7), axis_angle((1.0, 2.0, 3.0), 1.1))
-"""A rotation without any symmetry: four different components, none of them zero."""
-
-
-def vector(row: Any) -> Vector3:
-    """The numbers of a row (3,), as a scene takes them."""
-    x, y, z = (float(c) for c in row)
-    return x, y, z
-
-
-def symmetric(matrix: Floats) -> Matrix3:
-    """A matrix (3, 3) made symmetric to the last bit, as a scene takes an inertia."""
-    a, b, c = (vector(row) for row in (matrix + matrix.T) / 2)
-    return a, b, c
 
 
 def free(

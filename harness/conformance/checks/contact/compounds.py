@@ -8,22 +8,8 @@ import numpy as np
 from plumbline.harness.adapter import Feature
 from plumbline.harness.conformance.check import Comparisons, NotApplicable, check, near, refusable
 from plumbline.harness.conformance.engine import COARSE, Engine, state_of
-from plumbline.harness.conformance.scenes import (
-    ORIGIN,
-    TURNED,
-    UPRIGHT,
-    G,
-    Y,
-    Z,
-    aligned,
-    ball,
-    free,
-    ground,
-    on_ground,
-    shaped,
-    vector,
-    without_gravity,
-)
+from plumbline.harness.conformance.frames import ORIGIN, TURNED, UPRIGHT, Y, Z, aligned, vector
+from plumbline.harness.conformance.scenes import G, ball, free, ground, on_ground, shaped, without_gravity
 from plumbline.harness.scene import Box, PlacedShape, Plane, Scene, Shape, Sphere, axis_angle, principal_inertia
 
 _INERTIA = principal_inertia(0.05, 0.05, 0.05)

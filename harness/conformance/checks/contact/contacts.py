@@ -7,20 +7,8 @@ import numpy as np
 from plumbline.harness.adapter import Feature
 from plumbline.harness.conformance.check import Comparisons, check, near, that
 from plumbline.harness.conformance.engine import COARSE, FINE, ROUNDING, Engine, state_of
-from plumbline.harness.conformance.scenes import (
-    ORIGIN,
-    G,
-    Z,
-    aligned,
-    ball,
-    block,
-    floor,
-    ground,
-    on_ground,
-    static,
-    vector,
-    without_gravity,
-)
+from plumbline.harness.conformance.frames import ORIGIN, Z, aligned, vector
+from plumbline.harness.conformance.scenes import G, ball, block, floor, ground, on_ground, static, without_gravity
 from plumbline.harness.scene import Box, Effect, Scene, axis_angle
 from plumbline.harness.trajectory import Contacts
 

@@ -8,7 +8,8 @@ import numpy as np
 from plumbline.harness.adapter import Feature, Unsupported
 from plumbline.harness.conformance.check import Comparisons, check, near, that
 from plumbline.harness.conformance.engine import FINE, Engine, state_of
-from plumbline.harness.conformance.scenes import ORIGIN, G, ball, block, ground, on_ground, shaped, static, without_gravity
+from plumbline.harness.conformance.frames import ORIGIN
+from plumbline.harness.conformance.scenes import G, ball, block, ground, on_ground, shaped, static, without_gravity
 from plumbline.harness.scene import Body, Box, Capsule, Cylinder, Ellipsoid, Plane, Shape, Sphere, Vector3
 from plumbline.harness.trajectory import Floats
 

@@ -8,7 +8,8 @@ import numpy as np
 from plumbline.harness.adapter import Feature
 from plumbline.harness.conformance.check import Comparisons, check, near, that
 from plumbline.harness.conformance.engine import FINE, Engine, state_of
-from plumbline.harness.conformance.scenes import G, ball, block, floor, free, ground, lean, on_ground, vector
+from plumbline.harness.conformance.frames import vector
+from plumbline.harness.conformance.scenes import G, ball, block, floor, free, ground, lean, on_ground
 from plumbline.harness.scene import Scene, Surface
 from plumbline.harness.trajectory import Floats
 

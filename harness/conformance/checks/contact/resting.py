@@ -15,31 +15,21 @@ from plumbline.harness.adapter import Feature
 from plumbline.harness.conformance.check import Comparisons, check, near, refusable
 from plumbline.harness.conformance.checks.contract.features import SIDES
 from plumbline.harness.conformance.engine import COARSE, FINE, Engine
-from plumbline.harness.conformance.scenes import UPRIGHT, G, X, Y, Z, ground, on_ground, shaped, static
-from plumbline.harness.scene import (
-    Box,
-    Capsule,
-    ConvexHull,
-    Cylinder,
-    Ellipsoid,
-    Matrix3,
-    PlacedShape,
-    Plane,
-    Quaternion,
-    Scene,
-    Shape,
-    Sphere,
-    TriangleMesh,
-    Vector3,
-    axis_angle,
+from plumbline.harness.conformance.frames import UPRIGHT, X, Y, Z
+from plumbline.harness.conformance.scenes import G, ground, on_ground, shaped, static
+from plumbline.harness.scene.body import PlacedShape
+from plumbline.harness.scene.inertia import (
     box_inertia,
     capsule_inertia,
     cylinder_inertia,
     ellipsoid_inertia,
-    multiply,
     principal_inertia,
     sphere_inertia,
 )
+from plumbline.harness.scene.rotation import axis_angle, multiply
+from plumbline.harness.scene.scene import Scene
+from plumbline.harness.scene.shape import Box, Capsule, ConvexHull, Cylinder, Ellipsoid, Plane, Shape, Sphere, TriangleMesh
+from plumbline.harness.scene.values import Matrix3, Quaternion, Vector3
 
 DURATION = 3.0
 HEIGHT = 0.1

@@ -8,40 +8,14 @@ from plumbline.harness.adapter import Feature, Unsupported
 from plumbline.harness.conformance.check import Comparisons, check, near, said
 from plumbline.harness.conformance.checks.contract.features import CORNERS, SIDES, TWO_BLOCKS, box_mesh
 from plumbline.harness.conformance.engine import Engine
-from plumbline.harness.conformance.scenes import (
-    UPRIGHT,
-    G,
-    X,
-    Y,
-    Z,
-    aligned,
-    ball,
-    block,
-    ground,
-    lean,
-    on_ground,
-    shaped,
-    static,
-    vector,
-)
-from plumbline.harness.scene import (
-    Body,
-    Box,
-    Capsule,
-    ConvexHull,
-    Cylinder,
-    Ellipsoid,
-    PlacedShape,
-    Plane,
-    Quaternion,
-    Scene,
-    Shape,
-    Sphere,
-    TriangleMesh,
-    axis_angle,
-    multiply,
-    principal_inertia,
-)
+from plumbline.harness.conformance.frames import UPRIGHT, X, Y, Z, aligned, vector
+from plumbline.harness.conformance.scenes import G, ball, block, ground, lean, on_ground, shaped, static
+from plumbline.harness.scene.body import Body, PlacedShape
+from plumbline.harness.scene.inertia import principal_inertia
+from plumbline.harness.scene.rotation import axis_angle, multiply
+from plumbline.harness.scene.scene import Scene
+from plumbline.harness.scene.shape import Box, Capsule, ConvexHull, Cylinder, Ellipsoid, Plane, Shape, Sphere, TriangleMesh
+from plumbline.harness.scene.values import Quaternion
 from plumbline.harness.trajectory import Floats
 
 _GIVES = "contacts give way by less than 3 mm; a wrong size is off by centimetres"

@@ -10,20 +10,8 @@ from plumbline.harness.adapter.notice import as_notices
 from plumbline.harness.conformance.check import Comparisons, check, near, said, that
 from plumbline.harness.conformance.checks.contact.contacts import SOFT_REBOUND
 from plumbline.harness.conformance.engine import COARSE, FINE, Engine, state_of
-from plumbline.harness.conformance.scenes import (
-    ORIGIN,
-    TURNED,
-    G,
-    X,
-    Y,
-    ball,
-    block,
-    damped,
-    free,
-    on_ground,
-    prismatic,
-    without_gravity,
-)
+from plumbline.harness.conformance.frames import ORIGIN, TURNED, X, Y
+from plumbline.harness.conformance.scenes import G, ball, block, damped, free, on_ground, prismatic, without_gravity
 from plumbline.harness.scene import Drive, Effect, Scene
 from plumbline.harness.trajectory import State
 

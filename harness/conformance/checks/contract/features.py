@@ -12,54 +12,19 @@ from plumbline.harness.adapter import Feature, Simulation, Unsupported
 from plumbline.harness.adapter.notice import as_notices
 from plumbline.harness.conformance.check import Comparisons, NotApplicable, check, said, that
 from plumbline.harness.conformance.engine import Engine
-from plumbline.harness.conformance.scenes import (
-    ORIGIN,
-    X,
-    Y,
-    Z,
-    ball,
-    block,
-    damped,
-    free,
-    ground,
-    prismatic,
-    revolute,
-    shaped,
-    static,
-    tie,
-)
-from plumbline.harness.scene import (
-    WORLD,
-    Ball,
-    Body,
-    Box,
-    Camera,
-    Capsule,
-    ConvexHull,
-    Coupling,
-    Cylinder,
-    Distortion,
-    Drive,
-    Effect,
-    Ellipsoid,
-    Fixed,
-    Joint,
-    Limits,
-    MomentArm,
-    PlacedShape,
-    Plane,
-    Prescribed,
-    Scene,
-    Shape,
-    Shift,
-    Sinusoid,
-    Sphere,
-    Spring,
-    Surface,
-    Tendon,
-    TriangleMesh,
-    Vector3,
-)
+from plumbline.harness.conformance.frames import ORIGIN, X, Y, Z
+from plumbline.harness.conformance.scenes import ball, block, damped, free, ground, prismatic, revolute, shaped, static, tie
+from plumbline.harness.scene.body import Body, PlacedShape
+from plumbline.harness.scene.effect import Effect
+from plumbline.harness.scene.joint import WORLD, Ball, Coupling, Drive, Fixed, Joint, Limits, Spring
+from plumbline.harness.scene.motion import Sinusoid
+from plumbline.harness.scene.prescribed import Prescribed, Shift
+from plumbline.harness.scene.scene import Scene
+from plumbline.harness.scene.sensor import Camera, Distortion
+from plumbline.harness.scene.shape import Box, Capsule, ConvexHull, Cylinder, Ellipsoid, Plane, Shape, Sphere, TriangleMesh
+from plumbline.harness.scene.surface import Surface
+from plumbline.harness.scene.tendon import MomentArm, Tendon
+from plumbline.harness.scene.values import Vector3
 
 CORNERS = tuple((x, y, z) for x in (-0.1, 0.1) for y in (-0.2, 0.2) for z in (-0.3, 0.3))
 """The corners of a box of half extents (.1, .2, .3) m."""

@@ -13,7 +13,8 @@ import numpy as np
 from plumbline.harness.adapter import Feature, Notice, SettingsError
 from plumbline.harness.conformance.check import CHECKS, Compared, Comparisons, check, near, said, that
 from plumbline.harness.conformance.engine import COARSE, Engine, state_of
-from plumbline.harness.conformance.scenes import ORIGIN, TURNED, X, free, prismatic, static, without_gravity
+from plumbline.harness.conformance.frames import ORIGIN, TURNED, X
+from plumbline.harness.conformance.scenes import free, prismatic, static, without_gravity
 from plumbline.harness.scene import Box, Drive, Scene, Sphere
 from plumbline.harness.trajectory import State
 

@@ -7,7 +7,8 @@ import numpy as np
 from plumbline.harness.adapter import Diverged, Feature, Simulation
 from plumbline.harness.conformance.check import Compared, Comparisons, check, near, said, that
 from plumbline.harness.conformance.engine import COARSE, FINE, Engine, state_of
-from plumbline.harness.conformance.scenes import ORIGIN, TURNED, G, X, ball, block, free, on_ground, prismatic, without_gravity
+from plumbline.harness.conformance.frames import ORIGIN, TURNED, X
+from plumbline.harness.conformance.scenes import G, ball, block, free, on_ground, prismatic, without_gravity
 from plumbline.harness.scene import Drive, Scene
 from plumbline.harness.trajectory import Floats, State
 

@@ -8,23 +8,10 @@ from scipy.integrate import solve_ivp
 
 from plumbline.harness.adapter import Feature
 from plumbline.harness.conformance.check import Comparisons, check, near
+from plumbline.harness.conformance.closed_forms import pendulum_end, swing
 from plumbline.harness.conformance.engine import Engine, state_of
-from plumbline.harness.conformance.scenes import (
-    ORIGIN,
-    TURNED,
-    G,
-    X,
-    Y,
-    Z,
-    aligned,
-    free,
-    pendulum_end,
-    prismatic,
-    revolute,
-    swing,
-    vector,
-    without_gravity,
-)
+from plumbline.harness.conformance.frames import ORIGIN, TURNED, X, Y, Z, aligned, vector
+from plumbline.harness.conformance.scenes import G, free, prismatic, revolute, without_gravity
 from plumbline.harness.scene import Body, Coupling, Drive, Prismatic, Scene, Vector3, axis_angle
 
 

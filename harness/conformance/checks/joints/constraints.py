@@ -6,26 +6,10 @@ import numpy as np
 
 from plumbline.harness.adapter import Feature
 from plumbline.harness.conformance.check import Comparisons, check, near, refusable, that
+from plumbline.harness.conformance.closed_forms import pendulum_end, swing
 from plumbline.harness.conformance.engine import COARSE, Engine
-from plumbline.harness.conformance.scenes import (
-    ORIGIN,
-    TURNED,
-    G,
-    X,
-    Y,
-    Z,
-    aligned,
-    block,
-    free,
-    pendulum_end,
-    prismatic,
-    revolute,
-    rotation,
-    swing,
-    tie,
-    vector,
-    without_gravity,
-)
+from plumbline.harness.conformance.frames import ORIGIN, TURNED, X, Y, Z, aligned, rotation, vector
+from plumbline.harness.conformance.scenes import G, block, free, prismatic, revolute, tie, without_gravity
 from plumbline.harness.scene import WORLD, Ball, Body, Fixed, Scene, Surface, axis_angle, multiply, rotate
 
 _HELD = 5e-3

@@ -9,7 +9,8 @@ import numpy as np
 from plumbline.harness.adapter import Feature
 from plumbline.harness.conformance.check import Comparisons, check, near
 from plumbline.harness.conformance.engine import Engine, state_of
-from plumbline.harness.conformance.scenes import ORIGIN, X, Z, aligned, free, prismatic, revolute, without_gravity
+from plumbline.harness.conformance.frames import ORIGIN, X, Z, aligned
+from plumbline.harness.conformance.scenes import free, prismatic, revolute, without_gravity
 from plumbline.harness.scene import Body, Drive, Joint, Limits, Scene, Spring, axis_angle
 
 _FIRST = "a staggered scheme of first order is off by half a step of motion"

@@ -8,18 +8,8 @@ from scipy.integrate import solve_ivp
 from plumbline.harness.adapter import Feature
 from plumbline.harness.conformance.check import Comparisons, check, near
 from plumbline.harness.conformance.engine import Engine
-from plumbline.harness.conformance.scenes import (
-    ORIGIN,
-    TURNED,
-    UPRIGHT,
-    Z,
-    aligned,
-    free,
-    rotation,
-    tie,
-    vector,
-    without_gravity,
-)
+from plumbline.harness.conformance.frames import ORIGIN, TURNED, UPRIGHT, Z, aligned, rotation, vector
+from plumbline.harness.conformance.scenes import free, tie, without_gravity
 from plumbline.harness.scene import Scene, Spring, rotate
 from plumbline.harness.trajectory import Floats
 

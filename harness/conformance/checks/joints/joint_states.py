@@ -9,19 +9,8 @@ from plumbline.harness.adapter import Feature, Simulation
 from plumbline.harness.adapter.joints import joints_of
 from plumbline.harness.conformance.check import Comparisons, NotApplicable, check, near, that
 from plumbline.harness.conformance.engine import FINE, ROUNDING, Engine, state_of
-from plumbline.harness.conformance.scenes import (
-    TURNED,
-    G,
-    X,
-    Y,
-    floor,
-    free,
-    ground,
-    prismatic,
-    revolute,
-    vector,
-    without_gravity,
-)
+from plumbline.harness.conformance.frames import TURNED, X, Y, vector
+from plumbline.harness.conformance.scenes import G, floor, free, ground, prismatic, revolute, without_gravity
 from plumbline.harness.scene import WORLD, Ball, Fixed, PlacedShape, Scene, Sphere, Spring
 from plumbline.harness.trajectory import Floats
 from plumbline.harness.trajectory.joint_states import JointStates, joint_states

@@ -8,6 +8,7 @@ from plumbline.harness.case.commands import acting
 from plumbline.harness.case.forces import Velocities
 from plumbline.harness.conformance.check import Compared, Comparisons, all_near, check
 from plumbline.harness.conformance.engine import ROUNDING, Engine, state_of
+from plumbline.harness.conformance.frames import ORIGIN, angle_between
 from plumbline.harness.conformance.pairs import (
     ASTRAY,
     DURATION,
@@ -21,7 +22,6 @@ from plumbline.harness.conformance.pairs import (
     all_pairs,
     task,
 )
-from plumbline.harness.conformance.scenes import ORIGIN, angle_between
 from plumbline.harness.scene import Scene
 from plumbline.harness.trajectory import State
 

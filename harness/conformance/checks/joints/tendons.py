@@ -7,7 +7,8 @@ import numpy as np
 from plumbline.harness.adapter import Feature
 from plumbline.harness.conformance.check import Comparisons, check, near
 from plumbline.harness.conformance.engine import FINE, Engine
-from plumbline.harness.conformance.scenes import X, Y, free, prismatic, revolute, without_gravity
+from plumbline.harness.conformance.frames import X, Y
+from plumbline.harness.conformance.scenes import free, prismatic, revolute, without_gravity
 from plumbline.harness.scene import Drive, Limits, MomentArm, Scene, Spring, Tendon
 from plumbline.harness.trajectory import Floats
 

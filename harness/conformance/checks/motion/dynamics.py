@@ -6,24 +6,10 @@ import numpy as np
 
 from plumbline.harness.adapter import Feature, SettingsError
 from plumbline.harness.conformance.check import Comparisons, NotApplicable, check, near, refusable
+from plumbline.harness.conformance.closed_forms import turning
 from plumbline.harness.conformance.engine import COARSE, ROUNDING, Engine, state_of
-from plumbline.harness.conformance.scenes import (
-    ORIGIN,
-    TURNED,
-    G,
-    X,
-    Y,
-    Z,
-    aligned,
-    block,
-    damped,
-    free,
-    on_ground,
-    revolute,
-    turning,
-    vector,
-    without_gravity,
-)
+from plumbline.harness.conformance.frames import ORIGIN, TURNED, X, Y, Z, aligned, vector
+from plumbline.harness.conformance.scenes import G, block, damped, free, on_ground, revolute, without_gravity
 from plumbline.harness.scene import Body, Joint, Scene, Vector3, axis_angle
 from plumbline.harness.trajectory import Floats
 

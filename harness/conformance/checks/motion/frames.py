@@ -6,20 +6,10 @@ import numpy as np
 
 from plumbline.harness.adapter import Feature
 from plumbline.harness.conformance.check import Comparisons, check, near
+from plumbline.harness.conformance.closed_forms import turning
 from plumbline.harness.conformance.engine import COARSE, FINE, ROUNDING, Engine, state_of
-from plumbline.harness.conformance.scenes import (
-    TURNED,
-    aligned,
-    free,
-    on_ground,
-    rotation,
-    shaped,
-    static,
-    symmetric,
-    turned_by,
-    turning,
-    without_gravity,
-)
+from plumbline.harness.conformance.frames import TURNED, aligned, rotation, symmetric, turned_by
+from plumbline.harness.conformance.scenes import free, on_ground, shaped, static, without_gravity
 from plumbline.harness.scene import Body, Box, PlacedShape, Sphere
 from plumbline.harness.trajectory import State
 

@@ -6,8 +6,10 @@ import numpy as np
 
 from plumbline.harness.adapter import Feature
 from plumbline.harness.conformance.check import Comparisons, check, near
+from plumbline.harness.conformance.closed_forms import pendulum_end, swing
 from plumbline.harness.conformance.engine import Engine
-from plumbline.harness.conformance.scenes import ORIGIN, UPRIGHT, G, Y, aligned, free, pendulum_end, revolute, swing, tie
+from plumbline.harness.conformance.frames import ORIGIN, UPRIGHT, Y, aligned
+from plumbline.harness.conformance.scenes import G, free, revolute, tie
 from plumbline.harness.scene import Body, Fixed, Scene, Spring, Vector3, axis_angle, principal_inertia
 
 _HALF_A_STEP = 5e-3

@@ -4,7 +4,8 @@ import numpy as np
 
 from plumbline.harness.conformance.check import Comparisons, NotApplicable, check, near
 from plumbline.harness.conformance.engine import COARSE, FINE, Engine, state_of
-from plumbline.harness.conformance.scenes import TURNED, aligned, free, without_gravity
+from plumbline.harness.conformance.frames import TURNED, aligned
+from plumbline.harness.conformance.scenes import free, without_gravity
 from plumbline.harness.scene import Scene
 from plumbline.harness.trajectory import State
 

@@ -10,22 +10,8 @@ from plumbline.harness.case.commands import acting
 from plumbline.harness.case.forces import Controlled
 from plumbline.harness.conformance.check import Comparisons, check, near
 from plumbline.harness.conformance.engine import COARSE, FINE, ROUNDING, Engine, state_of
-from plumbline.harness.conformance.scenes import (
-    ORIGIN,
-    TURNED,
-    G,
-    X,
-    Y,
-    Z,
-    aligned,
-    ball,
-    block,
-    free,
-    ground,
-    prismatic,
-    shaped,
-    without_gravity,
-)
+from plumbline.harness.conformance.frames import ORIGIN, TURNED, X, Y, Z, aligned
+from plumbline.harness.conformance.scenes import G, ball, block, free, ground, prismatic, shaped, without_gravity
 from plumbline.harness.scene import Body, Box, Prescribed, Samples, Scene, Shift, Sinusoid, Turn, Vector3, axis_angle, rotate
 from plumbline.harness.trajectory import State
 

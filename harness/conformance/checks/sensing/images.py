@@ -9,7 +9,8 @@ import numpy as np
 from plumbline.harness.adapter import Feature
 from plumbline.harness.conformance.check import Comparisons, check, near, that
 from plumbline.harness.conformance.engine import Engine
-from plumbline.harness.conformance.scenes import rotation, static, static_cube, vector, without_gravity
+from plumbline.harness.conformance.frames import rotation, vector
+from plumbline.harness.conformance.scenes import static, static_cube, without_gravity
 from plumbline.harness.scene import WORLD, Appearance, Box, Camera, PlacedShape, Scene, Sphere, Sun, axis_angle
 from plumbline.harness.trajectory import Image
 

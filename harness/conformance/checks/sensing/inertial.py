@@ -8,7 +8,8 @@ import numpy as np
 from plumbline.harness.adapter import Feature
 from plumbline.harness.conformance.check import CheckResult, Comparisons, NotApplicable, check, judge, near
 from plumbline.harness.conformance.engine import COARSE, Engine, state_of
-from plumbline.harness.conformance.scenes import ORIGIN, TURNED, G, free, rotation, symmetric
+from plumbline.harness.conformance.frames import ORIGIN, TURNED, rotation, symmetric
+from plumbline.harness.conformance.scenes import G, free
 from plumbline.harness.scene import Body, Imu, Quaternion, Scene, multiply
 from plumbline.harness.trajectory import Trajectory
 

@@ -13,8 +13,9 @@ import numpy as np
 from plumbline.harness.adapter import Feature
 from plumbline.harness.conformance.check import Comparisons, check, near, that, worst
 from plumbline.harness.conformance.engine import COARSE, ROUNDING, Engine
+from plumbline.harness.conformance.frames import rotation, symmetric, turned_by, vector
 from plumbline.harness.conformance.room import MOUNT, SIGMAS, WALLS, carrier, in_a_room, mounted, read_on, seen_from
-from plumbline.harness.conformance.scenes import G, rotation, symmetric, turned_by, vector, without_gravity
+from plumbline.harness.conformance.scenes import G, without_gravity
 from plumbline.harness.scene import AxisNoise, Imu, ImuNoise, Lidar, LidarNoise, Quaternion, Scene, axis_angle
 from plumbline.harness.trajectory import Floats
 

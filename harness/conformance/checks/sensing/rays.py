@@ -6,33 +6,15 @@ import numpy as np
 
 from plumbline.harness.adapter import Feature, Unsupported
 from plumbline.harness.conformance.check import Comparisons, NotApplicable, check, near, that
+from plumbline.harness.conformance.closed_forms import first_hit
 from plumbline.harness.conformance.engine import Engine, state_of
-from plumbline.harness.conformance.scenes import (
-    ORIGIN,
-    TURNED,
-    X,
-    Z,
-    ball,
-    first_hit,
-    free,
-    rotation,
-    static,
-    static_cube,
-    without_gravity,
-)
-from plumbline.harness.scene import (
-    Box,
-    Capsule,
-    Cylinder,
-    Ellipsoid,
-    PlacedShape,
-    Plane,
-    Scene,
-    Shape,
-    Sphere,
-    Vector3,
-    axis_angle,
-)
+from plumbline.harness.conformance.frames import ORIGIN, TURNED, X, Z, rotation
+from plumbline.harness.conformance.scenes import ball, free, static, static_cube, without_gravity
+from plumbline.harness.scene.body import PlacedShape
+from plumbline.harness.scene.rotation import axis_angle
+from plumbline.harness.scene.scene import Scene
+from plumbline.harness.scene.shape import Box, Capsule, Cylinder, Ellipsoid, Plane, Shape, Sphere
+from plumbline.harness.scene.values import Vector3
 from plumbline.harness.trajectory import Floats, Hits
 
 _SHAPES: tuple[tuple[Feature, Shape, Vector3], ...] = (

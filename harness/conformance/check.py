@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import wraps
+from functools import partial, wraps
 from typing import Literal
 
 import numpy as np
@@ -102,6 +102,10 @@ def check(
         return asks
 
     return define
+
+
+firm = partial(check, firm=True)
+"""The check of a question whose answer may not be excused."""
 
 
 def _worded(value: ArrayLike) -> str:

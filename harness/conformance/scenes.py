@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 from math import sqrt
-from typing import Any
+from typing import Any, TypedDict, Unpack
 
 from plumbline.harness.adapter import Feature
 from plumbline.harness.conformance.check import NotApplicable
@@ -20,18 +20,23 @@ G = 9.81
 """Size of the gravity of the scenes here [m/s2]."""
 
 
-def free(
-    name: str = "body",
-    *,
-    mass: float = 2.0,
-    moments: Vector3 = (0.3, 0.3, 0.3),
-    p: Vector3 = ORIGIN,
-    q: Quaternion = UPRIGHT,
-    v: Vector3 = ORIGIN,
-    w: Vector3 = ORIGIN,
-) -> Body:
+class At(TypedDict, total=False):
+    """Where a body is and how it moves at the start: p_WB [m], q_WB, v_WB [m/s], w_WB [rad/s]."""
+
+    p: Vector3
+    q: Quaternion
+    v: Vector3
+    w: Vector3
+
+
+def _put(body: Body, at: At) -> Body:
+    put: Any = {f"{name}_WB": value for name, value in at.items()}
+    return replace(body, **put)
+
+
+def free(name: str = "body", *, mass: float = 2.0, moments: Vector3 = (0.3, 0.3, 0.3), **at: Unpack[At]) -> Body:
     """A body without a shape: mass [kg] and principal moments [kg m2] alone."""
-    return Body(name=name, mass=mass, inertia=principal_inertia(*moments), p_WB=p, q_WB=q, v_WB=v, w_WB=w)
+    return _put(Body(name=name, mass=mass, inertia=principal_inertia(*moments)), at)
 
 
 def damped(body: Body, *, linear: float = 0.0, angular: float = 0.0) -> Body:
@@ -51,33 +56,17 @@ def shaped(name: str, *shapes: Shape | PlacedShape, material: str = "block", **f
 
 
 def block(
-    name: str = "block",
-    *,
-    half: Vector3 = (0.2, 0.2, 0.05),
-    mass: float = 1.0,
-    p: Vector3 = (0.0, 0.0, 0.05),
-    q: Quaternion = UPRIGHT,
-    v: Vector3 = ORIGIN,
-    w: Vector3 = ORIGIN,
-    material: str = "block",
+    name: str = "block", *, half: Vector3 = (0.2, 0.2, 0.05), mass: float = 1.0, material: str = "block", **at: Unpack[At]
 ) -> Body:
     """A uniform box of half extents `half` [m]."""
-    body, inertia = shaped(name, Box(half_extents=half), material=material, mass=mass), box_inertia(mass, half)
-    return replace(body, inertia=inertia, p_WB=p, q_WB=q, v_WB=v, w_WB=w)
+    body = shaped(name, Box(half_extents=half), material=material, mass=mass, inertia=box_inertia(mass, half))
+    return _put(body, {"p": (0.0, 0.0, 0.05), **at})
 
 
-def ball(
-    name: str = "ball",
-    *,
-    radius: float = 0.1,
-    mass: float = 1.0,
-    p: Vector3 = (0.0, 0.0, 0.1),
-    v: Vector3 = ORIGIN,
-    w: Vector3 = ORIGIN,
-) -> Body:
+def ball(name: str = "ball", *, radius: float = 0.1, mass: float = 1.0, **at: Unpack[At]) -> Body:
     """A uniform sphere of `radius` [m]."""
-    inertia = sphere_inertia(mass, radius)
-    return shaped(name, Sphere(radius=radius), mass=mass, inertia=inertia, p_WB=p, v_WB=v, w_WB=w)
+    body = shaped(name, Sphere(radius=radius), mass=mass, inertia=sphere_inertia(mass, radius))
+    return _put(body, {"p": (0.0, 0.0, 0.1), **at})
 
 
 def static(name: str, shape: Shape, *, p: Vector3 = ORIGIN, q: Quaternion = UPRIGHT, material: str = "ground") -> Body:

@@ -6,7 +6,7 @@ from math import pi, sqrt
 import numpy as np
 
 from plumbline.harness.adapter import Feature
-from plumbline.harness.conformance.check import Comparisons, NotApplicable, check, near, refusable
+from plumbline.harness.conformance.check import Comparisons, NotApplicable, firm, near, refusable
 from plumbline.harness.conformance.engine import COARSE, Engine, state_of
 from plumbline.harness.conformance.frames import ORIGIN, TURNED, UPRIGHT, Y, Z, aligned, vector
 from plumbline.harness.conformance.scenes import G, ball, free, ground, on_ground, shaped, without_gravity
@@ -15,7 +15,7 @@ from plumbline.harness.scene import Box, PlacedShape, Plane, Scene, Shape, Spher
 _INERTIA = principal_inertia(0.05, 0.05, 0.05)
 
 
-@check("Does a body of three shapes touch with each of them, the last one too?", Feature.COMPOUND | Feature.SPHERE, firm=True)
+@firm("Does a body of three shapes touch with each of them, the last one too?", Feature.COMPOUND | Feature.SPHERE)
 def compound_stands_on_every_shape(engine: Engine) -> Comparisons:
     """Tables whose centre of mass hangs over one leg each: whichever leg of the three is missing, one of them tips at once."""
     corners = [(0.3, 0.0), (-0.15, 0.26), (-0.15, -0.26)]
@@ -31,11 +31,7 @@ def compound_stands_on_every_shape(engine: Engine) -> Comparisons:
     yield aligned("their tilts [rad]", end.q_WB[1:], [UPRIGHT] * 3, 0.02, because)
 
 
-@check(
-    "Is each shape of a body turned by its own q_BS, the later ones too?",
-    Feature.COMPOUND | Feature.SPHERE | Feature.BOX,
-    firm=True,
-)
+@firm("Is each shape of a body turned by its own q_BS, the later ones too?", Feature.COMPOUND | Feature.SPHERE | Feature.BOX)
 def compound_keeps_the_turn_of_every_shape(engine: Engine) -> Comparisons:
     """A frame on a ball and two long boxes, the first laid along y and the second stood upright by their q_BS.
 
@@ -54,9 +50,7 @@ def compound_keeps_the_turn_of_every_shape(engine: Engine) -> Comparisons:
     yield aligned("its tilt [rad]", end.q_WB[1], UPRIGHT, 0.05, "g .035/.11 t^2/2 = .25 rad where it falls")
 
 
-@check(
-    "Does a plane stand where p_BS and q_BS place it in its body, or is it refused?", Feature.PLANE | Feature.SPHERE, firm=True
-)
+@firm("Does a plane stand where p_BS and q_BS place it in its body, or is it refused?", Feature.PLANE | Feature.SPHERE)
 def plane_is_placed_in_its_body(engine: Engine) -> Comparisons:
     """A plane raised by p_BS and turned by q_BS in a body that is turned itself holds a ball; or it is refused."""
     placed = PlacedShape(shape=Plane(), p_BS=(0.0, 0.0, 0.4), q_BS=axis_angle(Y, 0.5))
@@ -71,7 +65,7 @@ def plane_is_placed_in_its_body(engine: Engine) -> Comparisons:
     yield near("ball on a plane that is placed in its body [m]", end.p_WB[1], p, 3e-3, "contacts give way by less than 3 mm")
 
 
-@check("Does a force act at the centre of mass, wherever the shapes are?", Feature.WRENCH, firm=True)
+@firm("Does a force act at the centre of mass, wherever the shapes are?", Feature.WRENCH)
 def push_acts_at_the_centre_of_mass(engine: Engine) -> Comparisons:
     """A force on a body whose only shape is off its centre of mass moves the centre of mass and turns nothing."""
     if not engine.features & (Feature.SPHERE | Feature.BOX):

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from plumbline.harness.adapter import Feature
-from plumbline.harness.conformance.check import Comparisons, check, near, that
+from plumbline.harness.conformance.check import Comparisons, check, firm, near, that
 from plumbline.harness.conformance.engine import COARSE, FINE, ROUNDING, Engine, state_of
 from plumbline.harness.conformance.frames import ORIGIN, Z, aligned, vector
 from plumbline.harness.conformance.scenes import G, ball, block, floor, ground, on_ground, static, without_gravity
@@ -28,10 +28,9 @@ def _supported(engine: Engine, *, ground_first: bool, mass: float = 1.0) -> Cont
         return simulation.contacts()
 
 
-@check(
+@firm(
     "Do the contact forces on a resting box add up to its weight, upwards on the box, downwards on the ground?",
     Feature.BOX | Feature.CONTACTS | Feature.CONTACT_FORCES,
-    firm=True,
 )
 def contact_forces_carry_the_weight(engine: Engine) -> Comparisons:
     weight, because = 3.0 * G, "2 %: the box has settled"
@@ -40,7 +39,7 @@ def contact_forces_carry_the_weight(engine: Engine) -> Comparisons:
     yield near("force of the box on the ground, box first [N]", down, (0, 0, -weight), 0.02 * weight, because)
 
 
-@check("Does the normal point from the earlier body of the scene to the later one?", Feature.BOX | Feature.CONTACTS, firm=True)
+@firm("Does the normal point from the earlier body of the scene to the later one?", Feature.BOX | Feature.CONTACTS)
 def contact_normal_points_from_A_to_B(engine: Engine) -> Comparisons:
     for how, first, up in (("ground first", True, 1.0), ("ground last", False, -1.0)):
         got = _supported(engine, ground_first=first)
@@ -50,10 +49,8 @@ def contact_normal_points_from_A_to_B(engine: Engine) -> Comparisons:
         yield near(f"normals, {how}", got.normal_W, np.tile((0.0, 0.0, up), (len(got), 1)), 1e-3, "unit, from A to B")
 
 
-@check(
-    "Is the gap below zero in penetration, in metres, and the point where the bodies meet?",
-    Feature.SPHERE | Feature.CONTACTS,
-    firm=True,
+@firm(
+    "Is the gap below zero in penetration, in metres, and the point where the bodies meet?", Feature.SPHERE | Feature.CONTACTS
 )
 def gap_is_negative_in_penetration(engine: Engine) -> Comparisons:
     deep = 0.005
@@ -194,7 +191,7 @@ def action_equals_reaction(engine: Engine) -> Comparisons:
     yield that(v < 0.5, f"v_x of the light ball: got {v:.4g} m/s, expected below .5: the balls have met")
 
 
-@check("Does a static body stay where it is, whatever falls on it?", Feature.BOX | Feature.SPHERE, firm=True)
+@firm("Does a static body stay where it is, whatever falls on it?", Feature.BOX | Feature.SPHERE)
 def static_body_never_moves(engine: Engine) -> Comparisons:
     wall = static("wall", Box(half_extents=(0.5, 0.5, 0.2)), p=(1.0, 2.0, 3.0))
     hammer = ball("hammer", mass=50.0, p=(1.0, 2.0, 3.31), v=(0.5, 0.0, -3.0))
@@ -205,11 +202,7 @@ def static_body_never_moves(engine: Engine) -> Comparisons:
     yield that(end.p_WB[1, 2] > 3.2, f"height of what fell on it: got {end.p_WB[1, 2]:.4g} m, expected above 3.2: it is held")
 
 
-@check(
-    "Does a kinematic body keep its velocity under load, and take along what lies on it?",
-    Feature.BOX | Feature.KINEMATIC,
-    firm=True,
-)
+@firm("Does a kinematic body keep its velocity under load, and take along what lies on it?", Feature.BOX | Feature.KINEMATIC)
 def kinematic_body_keeps_its_velocity(engine: Engine) -> Comparisons:
     v, w, t = np.array([0.2, -0.1, 0.05]), (0.0, 0.0, 0.5), 0.3
     plate = static("belt", Box(half_extents=(1.0, 1.0, 0.1)))

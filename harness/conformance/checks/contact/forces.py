@@ -6,7 +6,7 @@ from math import inf
 import numpy as np
 
 from plumbline.harness.adapter import Feature, Unsupported
-from plumbline.harness.conformance.check import Comparisons, check, near, that
+from plumbline.harness.conformance.check import Comparisons, check, firm, near, that
 from plumbline.harness.conformance.engine import FINE, Engine, state_of
 from plumbline.harness.conformance.frames import ORIGIN
 from plumbline.harness.conformance.scenes import G, ball, block, ground, on_ground, shaped, static, without_gravity
@@ -31,10 +31,9 @@ def _upright(name: str, shape: Shape, p_WB: Vector3, material: str) -> Body:
     return shaped(name, shape, inertia=block().inertia, material=material, p_WB=p_WB)
 
 
-@check(
+@firm(
     "Do the contacts of every pair of shapes have their normal from A to B and the gap that the places say?",
     Feature.CONTACTS,
-    firm=True,
     nothing="the engine supports no pair of shapes that could touch",
 )
 def contacts_of_every_pair_of_shapes(engine: Engine) -> Comparisons:
@@ -102,18 +101,14 @@ def _balanced(what: str, gained: Floats, impulses: Floats) -> Comparisons:
     yield near(f"{what}: their difference over all steps, over the way of the momentum", total, 0.0, _LINE)
 
 
-@check("Is the contact force of each step what changes the momentum in that step, friction included?", _NEEDS, firm=True)
+@firm("Is the contact force of each step what changes the momentum in that step, friction included?", _NEEDS)
 def contact_forces_move_what_they_touch(engine: Engine) -> Comparisons:
     """A ball lands askew on a rough ground: its blow lasts some steps, its friction until it rolls."""
     landing = ball(p=(0.0, 0.0, 0.11), v=(1.0, 0.5, -1.0))
     return _balanced("landing", *_momenta(engine, landing, 60, 0.3, 0.0))
 
 
-@check(
-    "Do the contact forces of a rebound carry its momentum, and no more once it is over?",
-    _NEEDS | Feature.RESTITUTION,
-    firm=True,
-)
+@firm("Do the contact forces of a rebound carry its momentum, and no more once it is over?", _NEEDS | Feature.RESTITUTION)
 def contact_forces_end_with_the_contact(engine: Engine) -> Comparisons:
     """A ball bounces and flies on, and no force is said to act in its flight."""
     bouncing = ball(p=(0.0, 0.0, 0.11), v=(0.0, 0.0, -2.0))

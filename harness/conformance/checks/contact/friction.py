@@ -6,7 +6,7 @@ from math import cos, pi, radians, sin
 import numpy as np
 
 from plumbline.harness.adapter import Feature
-from plumbline.harness.conformance.check import Comparisons, check, near, that
+from plumbline.harness.conformance.check import Comparisons, check, firm, near, that
 from plumbline.harness.conformance.engine import FINE, Engine, state_of
 from plumbline.harness.conformance.frames import vector
 from plumbline.harness.conformance.scenes import G, ball, block, floor, free, ground, lean, on_ground
@@ -40,11 +40,7 @@ def _braking(engine: Engine, scene: Scene, start: float = 0.05, t: float = 0.2) 
         return along / (G * t + braked[:, 2]), braked[:, :2] / along[:, None]
 
 
-@check(
-    "Is the friction of each pair the scene's (.2, .8, .5 on one ground), whatever the combination rule?",
-    Feature.BOX,
-    firm=True,
-)
+@firm("Is the friction of each pair the scene's (.2, .8, .5 on one ground), whatever the combination rule?", Feature.BOX)
 def pair_surface_is_what_the_scene_says(engine: Engine) -> Comparisons:
     """Three materials on one ground at .2, .8 and .5: product, least, greatest and mean rule all give other values."""
     pairs = {"ice": 0.2, "rubber": 0.8, "wood": 0.5}
@@ -77,10 +73,9 @@ def sliding_box_stays_down(engine: Engine) -> Comparisons:
     yield near("greatest height of the sliding box [m]", height.max(), 0.05, 3e-3, "it slides on its face")
 
 
-@check(
+@firm(
     "Are pair values that no combination rule gives (0, .4, .8) those that act, between moving bodies too?",
     Feature.BOX | Feature.PAIR_FRICTION,
-    firm=True,
 )
 def pair_friction_of_moving_bodies(engine: Engine) -> Comparisons:
     """A block on a slab (.4) on ice (0), beside a block on the ground (.8): no rule of one number per material gives that."""

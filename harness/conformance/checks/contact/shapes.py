@@ -5,7 +5,7 @@ from math import pi, sqrt
 import numpy as np
 
 from plumbline.harness.adapter import Feature, Unsupported
-from plumbline.harness.conformance.check import Comparisons, check, near, said
+from plumbline.harness.conformance.check import Comparisons, firm, near, said
 from plumbline.harness.conformance.checks.contract.features import CORNERS, SIDES, TWO_BLOCKS, box_mesh
 from plumbline.harness.conformance.engine import Engine
 from plumbline.harness.conformance.frames import UPRIGHT, X, Y, Z, aligned, vector
@@ -48,17 +48,17 @@ def _resting(engine: Engine, shape: Shape, ways: tuple[tuple[Quaternion, float],
     yield near(what, fall.v_WB[1:, 2], [-G * t] * len(ways), 0.05 * G * t, "free fall")
 
 
-@check("Is a sphere's size its radius?", Feature.SPHERE, firm=True)
+@firm("Is a sphere's size its radius?", Feature.SPHERE)
 def sphere_radius_is_a_radius(engine: Engine) -> Comparisons:
     return _resting(engine, Sphere(radius=0.15), ((UPRIGHT, 0.15),))
 
 
-@check("Are a box's extents half, each along its own axis?", Feature.BOX, firm=True)
+@firm("Are a box's extents half, each along its own axis?", Feature.BOX)
 def box_extents_are_half(engine: Engine) -> Comparisons:
     return _resting(engine, Box(half_extents=(0.1, 0.2, 0.3)), _BOX_WAYS)
 
 
-@check("Are the extents of a static box half as well, and is there nothing beside it?", Feature.BOX | Feature.SPHERE, firm=True)
+@firm("Are the extents of a static box half as well, and is there nothing beside it?", Feature.BOX | Feature.SPHERE)
 def box_ground_extents_are_half(engine: Engine) -> Comparisons:
     table = static("ground", Box(half_extents=(0.5, 0.5, 0.25)), p=(0.0, 0.0, 1.0))
     inside, outside = ball("inside", p=(0.4, 0.0, 1.35)), ball("outside", p=(0.0, 0.7, 1.35))
@@ -68,17 +68,17 @@ def box_ground_extents_are_half(engine: Engine) -> Comparisons:
     yield near("height of a ball beside it [m]", end.p_WB[2, 2], 1.35 - G * 0.15**2 / 2, 5e-3, "it falls freely")
 
 
-@check("Is a capsule held on its cap and on its side, by half_length + radius and by radius?", Feature.CAPSULE, firm=True)
+@firm("Is a capsule held on its cap and on its side, by half_length + radius and by radius?", Feature.CAPSULE)
 def capsule_is_a_capsule(engine: Engine) -> Comparisons:
     return _resting(engine, Capsule(radius=0.06, half_length=0.25), ((UPRIGHT, 0.31), (_X_UP, 0.06)))
 
 
-@check("Is a cylinder held on its end and on its side, by half_length and by radius?", Feature.CYLINDER, firm=True)
+@firm("Is a cylinder held on its end and on its side, by half_length and by radius?", Feature.CYLINDER)
 def cylinder_is_a_cylinder(engine: Engine) -> Comparisons:
     return _resting(engine, Cylinder(radius=0.12, half_length=0.25), ((UPRIGHT, 0.25), (_X_UP, 0.12)))
 
 
-@check("Is an ellipsoid held on the end of each axis, by that semi-axis?", Feature.ELLIPSOID, firm=True)
+@firm("Is an ellipsoid held on the end of each axis, by that semi-axis?", Feature.ELLIPSOID)
 def ellipsoid_is_an_ellipsoid(engine: Engine) -> Comparisons:
     """It rests on each end of its axes; on the longer two it stands as a pencil does, and has no time to fall.
 
@@ -88,7 +88,7 @@ def ellipsoid_is_an_ellipsoid(engine: Engine) -> Comparisons:
     yield from next((each for each in found if not all(compared.holds for compared in each)), found[0])
 
 
-@check("Does a convex hull reach to its vertices and no further?", Feature.CONVEX_HULL, firm=True)
+@firm("Does a convex hull reach to its vertices and no further?", Feature.CONVEX_HULL)
 def convex_hull_is_its_vertices(engine: Engine) -> Comparisons:
     return _resting(engine, ConvexHull(vertices=CORNERS), _BOX_WAYS)
 
@@ -100,14 +100,14 @@ def _on_mesh(engine: Engine, mesh: TriangleMesh, places: tuple[tuple[float, floa
     return engine.final(scene, 0.15).p_WB[1:, 2]
 
 
-@check("Does a triangle mesh hold what lies on it, and nothing beside it?", Feature.TRIANGLE_MESH | Feature.SPHERE, firm=True)
+@firm("Does a triangle mesh hold what lies on it, and nothing beside it?", Feature.TRIANGLE_MESH | Feature.SPHERE)
 def triangle_mesh_is_its_faces(engine: Engine) -> Comparisons:
     z = _on_mesh(engine, TriangleMesh(vertices=CORNERS, faces=SIDES), ((-0.03, -0.1), (0.6, 0.6)))
     yield near("height of the ball on the mesh [m]", z[0], 0.4, 3e-3, _GIVES)
     yield near("height of the ball beside the mesh [m]", z[1], 0.4 - G * 0.15**2 / 2, 5e-3, "it falls freely")
 
 
-@check("Is a mesh that is not convex either what it is, or refused?", Feature.TRIANGLE_MESH | Feature.SPHERE, firm=True)
+@firm("Is a mesh that is not convex either what it is, or refused?", Feature.TRIANGLE_MESH | Feature.SPHERE)
 def triangle_mesh_is_not_its_hull(engine: Engine) -> Comparisons:
     """One mesh of two blocks with a gap: a ball lies on each, one falls through the gap, which a convex hull would close."""
     mesh = TriangleMesh(vertices=TWO_BLOCKS[0], faces=TWO_BLOCKS[1])
@@ -120,10 +120,9 @@ def triangle_mesh_is_not_its_hull(engine: Engine) -> Comparisons:
     yield near("height of the ball in the gap [m]", z[2], 0.4 - G * 0.15**2 / 2, 5e-3, "a mesh is not its convex hull")
 
 
-@check(
+@firm(
     "Does a body of one mesh that is not convex stand on its faces, whatever its hull would stand on?",
     Feature.MOVING_MESH | Feature.PLANE | Feature.BOX,
-    firm=True,
 )
 def moving_mesh_is_its_faces(engine: Engine) -> Comparisons:
     """Two blocks with a gap, one mesh and one body, set down astride a post that their hull would stand on.
@@ -151,7 +150,7 @@ def moving_mesh_is_its_faces(engine: Engine) -> Comparisons:
         yield aligned(f"turned on {name} [rad]", end.q_WB[-1], UPRIGHT, 0.01, "it stands on both")
 
 
-@check("Is a plane solid below its normal, given in its own frame?", Feature.PLANE | Feature.SPHERE, firm=True)
+@firm("Is a plane solid below its normal, given in its own frame?", Feature.PLANE | Feature.SPHERE)
 def plane_normal_points_out(engine: Engine) -> Comparisons:
     """Gravity along -x holds a ball against a plane with the normal +x, given in S and by turning the body."""
     for how, wall in (
@@ -163,7 +162,7 @@ def plane_normal_points_out(engine: Engine) -> Comparisons:
         yield near(f"ball on a plane, {how} [m]", end.p_WB[1], (0.6, 2.0, 3.0), 3e-3, _GIVES)
 
 
-@check("Does a body of several shapes touch with each of them?", Feature.COMPOUND | Feature.SPHERE, firm=True)
+@firm("Does a body of several shapes touch with each of them?", Feature.COMPOUND | Feature.SPHERE)
 def compound_keeps_all_shapes(engine: Engine) -> Comparisons:
     """A dumbbell lies on both its balls; with one of them missing it would tip over at once."""
     balls = tuple(PlacedShape(shape=Sphere(radius=r), p_BS=(x, 0.0, r - 0.1)) for x, r in ((-0.3, 0.1), (0.3, 0.05)))
@@ -173,7 +172,7 @@ def compound_keeps_all_shapes(engine: Engine) -> Comparisons:
     yield aligned("tilt [rad]", end.q_WB[1], UPRIGHT, 0.02, "3 mm over .3 m; one ball alone lets it tip by .5 rad")
 
 
-@check("Does a shape stand in its body where p_BS and q_BS say?", Feature.BOX, firm=True)
+@firm("Does a shape stand in its body where p_BS and q_BS say?", Feature.BOX)
 def shapes_are_placed_in_B(engine: Engine) -> Comparisons:
     """A long box turned by q_BS and moved by p_BS within its body stands upright on the ground."""
     placed = PlacedShape(shape=Box(half_extents=(0.3, 0.1, 0.1)), p_BS=(0.0, 0.0, 0.05), q_BS=axis_angle(Y, 0.4))
@@ -196,17 +195,17 @@ def _tipped(engine: Engine, support: Body) -> Comparisons:
     yield near("its height [m]", end.p_WB[1, 2], 0.2, 3e-3, _GIVES)
 
 
-@check("Does a box on a plane resist tipping, as a face does and a point does not?", Feature.BOX | Feature.PLANE, firm=True)
+@firm("Does a box on a plane resist tipping, as a face does and a point does not?", Feature.BOX | Feature.PLANE)
 def box_on_plane_has_a_face_contact(engine: Engine) -> Comparisons:
     return _tipped(engine, static("ground", Plane()))
 
 
-@check("Does a box on a box resist tipping?", Feature.BOX, firm=True)
+@firm("Does a box on a box resist tipping?", Feature.BOX)
 def box_on_box_has_a_face_contact(engine: Engine) -> Comparisons:
     return _tipped(engine, static("ground", Box(half_extents=(5.0, 5.0, 0.5)), p=(0.0, 0.0, -0.5)))
 
 
-@check("Does a box that leans over an edge meet a box with a parallel edge, in whatever direction?", Feature.BOX, firm=True)
+@firm("Does a box that leans over an edge meet a box with a parallel edge, in whatever direction?", Feature.BOX)
 def box_on_parallel_edges_is_borne(engine: Engine) -> Comparisons:
     """Cubes on an edge, each on a slab turned as it is: what rounding leaves of parallel edges must not hide a contact."""
     count, half = 48, 0.1

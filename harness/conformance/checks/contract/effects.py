@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike
 
 from plumbline.harness.adapter import Feature
 from plumbline.harness.adapter.notice import as_notices
-from plumbline.harness.conformance.check import Comparisons, check, near, said, that
+from plumbline.harness.conformance.check import Comparisons, check, firm, near, said, that
 from plumbline.harness.conformance.checks.contact.contacts import SOFT_REBOUND
 from plumbline.harness.conformance.engine import COARSE, FINE, Engine, state_of
 from plumbline.harness.conformance.frames import ORIGIN, TURNED, X, Y
@@ -103,7 +103,7 @@ for _row in _ROWS:
     )(_row)
 
 
-@check("Does every notice of a surplus or missing effect name one effect?", firm=True)
+@firm("Does every notice of a surplus or missing effect name one effect?")
 def surplus_names_effects(engine: Engine) -> Comparisons:
     """A scene that asks for gravity alone, of a body with unequal moments at rest: the notices name what else is computed."""
     with engine.built(Scene(bodies=(free(moments=(0.1, 0.2, 0.25)),)), None) as simulation:

@@ -10,7 +10,7 @@ import numpy as np
 
 from plumbline.harness.adapter import Feature, Simulation, Unsupported
 from plumbline.harness.adapter.notice import as_notices
-from plumbline.harness.conformance.check import Comparisons, NotApplicable, check, said, that
+from plumbline.harness.conformance.check import Comparisons, NotApplicable, firm, said, that
 from plumbline.harness.conformance.engine import Engine
 from plumbline.harness.conformance.frames import ORIGIN, X, Y, Z
 from plumbline.harness.conformance.scenes import ball, block, damped, free, ground, prismatic, revolute, shaped, static, tie
@@ -243,7 +243,7 @@ def refused(engine: Engine, missing: Feature) -> str:
     return f"the engine does not claim {', '.join(missing.names)} and refuses it"
 
 
-@check("Does every claimed feature build and step?", firm=True)
+@firm("Does every claimed feature build and step?")
 def claimed_features_build(engine: Engine) -> Comparisons:
     """Each claimed feature builds and steps."""
     for feature in engine.features:
@@ -257,7 +257,7 @@ def claimed_features_build(engine: Engine) -> Comparisons:
     yield said(f"{len(engine.features.names)} claimed features build and step")
 
 
-@check("Is every feature that is not claimed refused by Unsupported, never approximated in silence?", firm=True)
+@firm("Is every feature that is not claimed refused by Unsupported, never approximated in silence?")
 def unclaimed_features_raise_unsupported(engine: Engine) -> Comparisons:
     """Each feature that is not claimed raises Unsupported where a scene or a call asks for it."""
     missing = ~engine.features

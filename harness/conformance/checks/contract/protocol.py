@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from plumbline.harness.adapter import Feature, Notice, SettingsError
-from plumbline.harness.conformance.check import CHECKS, Compared, Comparisons, check, near, said, that
+from plumbline.harness.conformance.check import CHECKS, Compared, Comparisons, firm, near, said, that
 from plumbline.harness.conformance.engine import COARSE, Engine, state_of
 from plumbline.harness.conformance.frames import ORIGIN, TURNED, X
 from plumbline.harness.conformance.scenes import free, prismatic, static, without_gravity
@@ -22,7 +22,7 @@ _LIGHT = ("numpy", "scipy", "plumbline.harness")
 """What an adapter file may import when it is loaded, beside the standard library and its own package."""
 
 
-@check("Are both tracks there, and does every declared failure name a check that may be excused, with a reason?", firm=True)
+@firm("Are both tracks there, and does every declared failure name a check that may be excused, with a reason?")
 def declarations_are_well_formed(engine: Engine) -> Comparisons:
     adapter = engine.adapter
     known = {f"{track}/{defined.name}" for track in adapter.tracks for defined in CHECKS}
@@ -38,7 +38,7 @@ def declarations_are_well_formed(engine: Engine) -> Comparisons:
     yield that(bool(adapter.name and adapter.title and adapter.distribution), "name, title and distribution are given")
 
 
-@check("Is the version a string?", firm=True)
+@firm("Is the version a string?")
 def version_is_a_string(engine: Engine) -> Comparisons:
     version = engine.adapter.version()
     yield that(isinstance(version, str) and bool(version.strip()), f"version: got {version!r}, expected a non-empty string")
@@ -61,7 +61,7 @@ def loaded_at_once(tree: ast.AST) -> Iterator[str]:
             yield from loaded_at_once(node)
 
 
-@check("Is the vendor's package imported inside functions only?", firm=True)
+@firm("Is the vendor's package imported inside functions only?")
 def imports_without_its_vendor(engine: Engine) -> Comparisons:
     adapter = engine.adapter
     source = inspect.getsourcefile(type(adapter))
@@ -80,7 +80,7 @@ def imports_without_its_vendor(engine: Engine) -> Comparisons:
     )
 
 
-@check("Does the simulation say which step, integrator and solver it really uses?", firm=True)
+@firm("Does the simulation say which step, integrator and solver it really uses?")
 def resolved_settings_are_complete(engine: Engine) -> Comparisons:
     asked = engine.at(1 / 500)
     with engine.built(Scene(bodies=(free(),)), asked.dt) as simulation:
@@ -104,22 +104,22 @@ def _refusal_of(engine: Engine, name: str, **changed: Any) -> Comparisons:
         yield that(False, f"{name}: got a simulation, expected SettingsError")
 
 
-@check("Is an option that the adapter does not know an error that names it?", firm=True)
+@firm("Is an option that the adapter does not know an error that names it?")
 def unknown_option_is_refused(engine: Engine) -> Comparisons:
     return _refusal_of(engine, "no_such_option", options={**engine.settings.options, "no_such_option": 1})
 
 
-@check("Is an integrator that the engine does not have an error that names it?", firm=True)
+@firm("Is an integrator that the engine does not have an error that names it?")
 def unknown_integrator_is_refused(engine: Engine) -> Comparisons:
     return _refusal_of(engine, "no_such_integrator", integrator="no_such_integrator")
 
 
-@check("Is a solver that the engine does not have an error that names it?", firm=True)
+@firm("Is a solver that the engine does not have an error that names it?")
 def unknown_solver_is_refused(engine: Engine) -> Comparisons:
     return _refusal_of(engine, "no_such_solver", solver="no_such_solver")
 
 
-@check("May close be called twice?", firm=True)
+@firm("May close be called twice?")
 def close_may_be_called_twice(engine: Engine) -> Comparisons:
     simulation = engine.adapter.build(Scene(bodies=(free(),)), engine.settings)
     simulation.step()
@@ -128,7 +128,7 @@ def close_may_be_called_twice(engine: Engine) -> Comparisons:
     yield said("closed twice without an exception")
 
 
-@check("Are warnings a tuple of strings or notices?", firm=True)
+@firm("Are warnings a tuple of strings or notices?")
 def warnings_are_strings(engine: Engine) -> Comparisons:
     with engine.built(Scene(bodies=(free(),)), None) as simulation:
         simulation.step(2)
@@ -139,7 +139,7 @@ def warnings_are_strings(engine: Engine) -> Comparisons:
     )
 
 
-@check("Is the whole state copied into the caller's arrays, so that it stays as it was?", firm=True)
+@firm("Is the whole state copied into the caller's arrays, so that it stays as it was?")
 def state_is_written_into_the_given_arrays(engine: Engine) -> Comparisons:
     scene = without_gravity(free("a", q=TURNED, w=(1.0, 2.0, 3.0)), free("b", p=(3.0, 0.0, 0.0), v=(1.0, 0.0, 0.0)))
     with engine.built(scene, COARSE) as simulation:
@@ -153,7 +153,7 @@ def state_is_written_into_the_given_arrays(engine: Engine) -> Comparisons:
     yield near("norm of the quaternions", np.linalg.norm(second.q_WB, axis=1), np.ones(2), 1e-6, "unit quaternions")
 
 
-@check("Are arrays that a state does not fit into refused by name?", firm=True)
+@firm("Are arrays that a state does not fit into refused by name?")
 def bad_states_are_refused(engine: Engine) -> Comparisons:
     scene = without_gravity(free(), free("other", p=(5.0, 0.0, 0.0)))
     good = State.empty(_BODIES)
@@ -200,11 +200,7 @@ def _bad_vectors() -> dict[str, Any]:
     }
 
 
-@check(
-    "Are forces and torques of a wrong shape, type or content refused by name, and nothing of them kept?",
-    Feature.WRENCH,
-    firm=True,
-)
+@firm("Are forces and torques of a wrong shape, type or content refused by name, and nothing of them kept?", Feature.WRENCH)
 def bad_wrenches_are_refused(engine: Engine) -> Comparisons:
     """Each bad array as force and as torque; afterwards the bodies fly on as if nothing had been said."""
     scene = without_gravity(free(v=(1.0, 0.0, 0.0)), free("other", p=(5.0, 0.0, 0.0)))
@@ -218,7 +214,7 @@ def bad_wrenches_are_refused(engine: Engine) -> Comparisons:
     yield near("p_WB afterwards [m]", end.p_WB, [(0.01, 0.0, 0.0), (5.0, 0.0, 0.0)], 1e-5, "v t: nothing bad was kept")
 
 
-@check("Are rays of a wrong shape, type, content or length refused by name, and a reach that is none?", Feature.RAYS, firm=True)
+@firm("Are rays of a wrong shape, type, content or length refused by name, and a reach that is none?", Feature.RAYS)
 def bad_rays_are_refused(engine: Engine) -> Comparisons:
     shape = Box(half_extents=(0.5, 0.5, 0.5)) if Feature.BOX in engine.features else Sphere(radius=0.5)
     scene = Scene(bodies=(static("target", shape),))
@@ -237,10 +233,9 @@ def bad_rays_are_refused(engine: Engine) -> Comparisons:
     yield near("ranges of good rays afterwards [m]", ranges, (4.5, 4.5), 1e-5, "rounding in single precision")
 
 
-@check(
+@firm(
     "Are targets of joints without a drive and targets that are no finite number refused by name?",
     Feature.PRISMATIC | Feature.DRIVES,
-    firm=True,
 )
 def bad_targets_are_refused(engine: Engine) -> Comparisons:
     drive = Drive(stiffness=50.0, damping=20.0)

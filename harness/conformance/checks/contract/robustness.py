@@ -5,7 +5,7 @@ from hashlib import sha256
 import numpy as np
 
 from plumbline.harness.adapter import Diverged, Feature, Simulation
-from plumbline.harness.conformance.check import Compared, Comparisons, check, near, said, that
+from plumbline.harness.conformance.check import Compared, Comparisons, check, firm, near, said, that
 from plumbline.harness.conformance.engine import COARSE, FINE, Engine, state_of
 from plumbline.harness.conformance.frames import ORIGIN, TURNED, X
 from plumbline.harness.conformance.scenes import G, ball, block, free, on_ground, prismatic, without_gravity
@@ -25,7 +25,7 @@ def _refused_or_seen(what: str, simulation: Simulation, scene: Scene, steps: int
     return that(False, f"{what}: got a finite state after {steps} steps, expected Diverged or a state that shows it")
 
 
-@check("After a NaN or an overflow, is there Diverged or a state that shows it, never a healthy one?", firm=True)
+@firm("After a NaN or an overflow, is there Diverged or a state that shows it, never a healthy one?")
 def nan_is_reported(engine: Engine) -> Comparisons:
     """By a NaN force where the engine takes forces; and by a spin whose square overflows."""
     scene = without_gravity(free(v=(1.0, 0.0, 0.0)))
@@ -107,7 +107,7 @@ def same_input_same_hash(engine: Engine) -> Comparisons:
     yield that(first == second, f"state hashes of two equal runs: got {first} and {second}, expected the same")
 
 
-@check("Do two simulations taken in turns give what each gives alone?", firm=True)
+@firm("Do two simulations taken in turns give what each gives alone?")
 def two_simulations_share_no_state(engine: Engine) -> Comparisons:
     """Two different scenes at different steps, taken in turns, each equal to the same run on its own."""
     first_scene, second_scene = _crowd(engine), _crowd(engine, 1.7)
@@ -136,7 +136,7 @@ def save_and_restore_is_exact(engine: Engine) -> Comparisons:
     yield that(again == there, f"state hash 60 steps after restore: got {again}, expected {there}, that of the first time")
 
 
-@check("Does the adapter copy the arrays handed in, and leave them as they were?", Feature.WRENCH, firm=True)
+@firm("Does the adapter copy the arrays handed in, and leave them as they were?", Feature.WRENCH)
 def inputs_are_left_alone(engine: Engine) -> Comparisons:
     """What the caller hands in stays as it was, and is not kept by reference."""
     scene = without_gravity(free(), free("other", p=(5.0, 0.0, 0.0)))
@@ -153,7 +153,7 @@ def inputs_are_left_alone(engine: Engine) -> Comparisons:
     yield near(what, end.v_WB[0], (0.1, 0.0, 0.0), 0.002, because)
 
 
-@check("Is a state that came out of a hard contact problem finite, or Diverged?", Feature.BOX, firm=True)
+@firm("Is a state that came out of a hard contact problem finite, or Diverged?", Feature.BOX)
 def heavy_on_light_is_finite_or_diverged(engine: Engine) -> Comparisons:
     """50 kg on 1 kg: nothing asks for accuracy here, only that the state is finite or Diverged says that it is not."""
     half = (0.1, 0.1, 0.1)

@@ -7,7 +7,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from plumbline.harness.adapter import Feature
-from plumbline.harness.conformance.check import Comparisons, check, near
+from plumbline.harness.conformance.check import Comparisons, check, firm, near
 from plumbline.harness.conformance.closed_forms import pendulum_end, swing
 from plumbline.harness.conformance.engine import Engine, state_of
 from plumbline.harness.conformance.frames import ORIGIN, TURNED, X, Y, Z, aligned, vector
@@ -35,7 +35,7 @@ def target_velocity_acts(engine: Engine) -> Comparisons:
     yield near("place at rest under k (x0 - x) + c u [m]", late.p_WB[1, 0], 0.1 + 60.0 * u / 200.0, 2e-3, "both terms balance")
 
 
-@check("Does a command reach every drive that it names, and no other?", Feature.PRISMATIC | Feature.DRIVES, firm=True)
+@firm("Does a command reach every drive that it names, and no other?", Feature.PRISMATIC | Feature.DRIVES)
 def command_reaches_every_drive(engine: Engine) -> Comparisons:
     """Three drives at 0; the last two are sent off, then the first alone."""
     scene = _driven(*(Drive(stiffness=200.0, damping=40.0) for _ in range(3)))

@@ -5,7 +5,7 @@ from math import cos, pi, sin, sqrt
 import numpy as np
 
 from plumbline.harness.adapter import Feature
-from plumbline.harness.conformance.check import Comparisons, check, near, refusable, that
+from plumbline.harness.conformance.check import Comparisons, check, firm, near, refusable, that
 from plumbline.harness.conformance.closed_forms import pendulum_end, swing
 from plumbline.harness.conformance.engine import COARSE, Engine
 from plumbline.harness.conformance.frames import ORIGIN, TURNED, X, Y, Z, aligned, rotation, vector
@@ -89,7 +89,7 @@ def joint_damping_is_off(engine: Engine) -> Comparisons:
     yield that(float(np.ptp(run.p_WB[:, 0, 0])) > 1.0, "the pendulum swings")
 
 
-@check("Are anchor and axis in W, and the initial velocity kept?", Feature.REVOLUTE, firm=True)
+@firm("Are anchor and axis in W, and the initial velocity kept?", Feature.REVOLUTE)
 def revolute_turns_about_its_axis(engine: Engine) -> Comparisons:
     """A turned body runs round a slanted axis away from its centre, without gravity: at constant rate."""
     axis, anchor, arm = np.array([1.0, 2.0, 2.0]) / 3, np.array([0.5, -0.3, 0.2]), np.array([0.6, 0.3, -0.6])
@@ -107,7 +107,7 @@ def revolute_turns_about_its_axis(engine: Engine) -> Comparisons:
     yield near("w_WB [rad/s]", end.w_WB[0], w * axis, 0.05 * w, "no moment acts about the axis")
 
 
-@check("Does a slide move along its axis alone, in W?", Feature.PRISMATIC, firm=True)
+@firm("Does a slide move along its axis alone, in W?", Feature.PRISMATIC)
 def prismatic_slides_along_its_axis(engine: Engine) -> Comparisons:
     axis, t = np.array([2.0, -1.0, 2.0]) / 3, 0.4
     body = free("body", p=(0.3, 0.2, 0.1), q=TURNED)

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from plumbline.harness.adapter import Feature, SettingsError
-from plumbline.harness.conformance.check import Comparisons, NotApplicable, check, near, refusable
+from plumbline.harness.conformance.check import Comparisons, NotApplicable, check, firm, near, refusable
 from plumbline.harness.conformance.closed_forms import turning
 from plumbline.harness.conformance.engine import COARSE, ROUNDING, Engine, state_of
 from plumbline.harness.conformance.frames import ORIGIN, TURNED, X, Y, Z, aligned, vector
@@ -26,17 +26,17 @@ def _fall(engine: Engine, gravity: tuple[float, float, float]) -> Comparisons:
     yield near("p_WB after free fall [m]", end.p_WB[0], g * t * t / 2, 1.001 * size * dt * t / 2 + ROUNDING, because)
 
 
-@check("Does a free body fall with g, downwards?", firm=True)
+@firm("Does a free body fall with g, downwards?")
 def free_fall_has_the_size_and_sign_of_g(engine: Engine) -> Comparisons:
     return _fall(engine, (0.0, 0.0, -G))
 
 
-@check("Does gravity act in any direction that the scene gives?", firm=True)
+@firm("Does gravity act in any direction that the scene gives?")
 def gravity_is_a_vector(engine: Engine) -> Comparisons:
     return _fall(engine, (3.0, -4.0, 5.0))
 
 
-@check("Is step(n) exactly n dt, and bit for bit n times step(1)?", firm=True)
+@firm("Is step(n) exactly n dt, and bit for bit n times step(1)?")
 def step_advances_exactly_dt(engine: Engine) -> Comparisons:
     bodies = [free("fall"), free("spin", p=(5.0, 0.0, 0.0), q=TURNED, w=(3.0, 1.0, -2.0), moments=(0.1, 0.2, 0.25))]
     scene = Scene(bodies=tuple(bodies))
@@ -59,7 +59,7 @@ def step_advances_exactly_dt(engine: Engine) -> Comparisons:
         yield near(what, getattr(at_once, name), getattr(other, name), 0.0, "the same bits")
 
 
-@check("Does time pass at the same rate with sub-steps?", firm=True)
+@firm("Does time pass at the same rate with sub-steps?")
 def substeps_divide_dt(engine: Engine) -> Comparisons:
     t, because = 0.1, "sub-steps divide dt, they do not add to it"
     try:
@@ -157,9 +157,7 @@ def _damped_away(what: str, got: Floats, axis: Vector3) -> Comparisons:
     yield near(what, got, left * np.array(axis), within, "(1 - c dt)^n errs by c^2 t dt/2")
 
 
-@check(
-    "Do force and torque act in W, at the centre of mass, on the right body, until told otherwise?", Feature.WRENCH, firm=True
-)
+@firm("Do force and torque act in W, at the centre of mass, on the right body, until told otherwise?", Feature.WRENCH)
 def wrench_has_sign_and_size(engine: Engine) -> Comparisons:
     scene = without_gravity(free("idle"), free("pushed", p=(5.0, 0.0, 0.0), mass=2.0, q=TURNED))
     f, tau, t = np.array([1.0, -2.0, 3.0]), np.array([0.3, -0.1, 0.2]), 0.02
@@ -184,7 +182,7 @@ def _falling() -> Scene:
     return Scene(bodies=(free(), free("other", p=(5.0, 0.0, 0.0), q=TURNED, v=(3.0, 0.0, 0.0), w=(1.0, 2.0, -1.0))))
 
 
-@check("Does step(0) leave the state as it is, bit for bit?", firm=True)
+@firm("Does step(0) leave the state as it is, bit for bit?")
 def no_step_is_no_step(engine: Engine) -> Comparisons:
     scene = _falling()
     with engine.built(scene, COARSE) as simulation:
@@ -198,7 +196,7 @@ def no_step_is_no_step(engine: Engine) -> Comparisons:
             simulation.step(5)
 
 
-@check("Is every single step dt long, not only the mean of many?", firm=True)
+@firm("Is every single step dt long, not only the mean of many?")
 def steps_are_even(engine: Engine) -> Comparisons:
     """Each step adds g dt to the speed of what falls and v dt to the way of what flies, not only all of them together."""
     run = engine.record(_falling(), 8 * COARSE, dt=COARSE)
@@ -212,7 +210,7 @@ LENGTHS = (1.0, 0.5, 2.0, 1.25, 0.75, 0.5)
 """Of steps, in dt: each may be shorter or longer than the one before; their mean is 1."""
 
 
-@check("Is every step as long as was told for it, where lengths are uneven?", Feature.STEP_LENGTHS, firm=True)
+@firm("Is every step as long as was told for it, where lengths are uneven?", Feature.STEP_LENGTHS)
 def step_lengths_are_kept(engine: Engine) -> Comparisons:
     """Step h adds g h to the speed of what falls and v h to the way of what flies, and the fall is the sum of all of them.
 
@@ -236,7 +234,7 @@ def step_lengths_are_kept(engine: Engine) -> Comparisons:
     yield near("way fallen [m]", fallen, G * t * t / 2, staggered, "g sum(h^2)/2 of a scheme of first order")
 
 
-@check("Is the lead of a force what the way of one step shows?", Feature.WRENCH, firm=True)
+@firm("Is the lead of a force what the way of one step shows?", Feature.WRENCH)
 def force_lead_is_what_a_step_shows(engine: Engine) -> Comparisons:
     """From rest a step under a force goes c f dt^2 / m: an engine that says its lead says 1 - c."""
     dt, push = 0.05, np.array([[3.0, -4.0, 12.0]])

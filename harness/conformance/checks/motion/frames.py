@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from plumbline.harness.adapter import Feature
-from plumbline.harness.conformance.check import Comparisons, check, near
+from plumbline.harness.conformance.check import Comparisons, firm, near
 from plumbline.harness.conformance.closed_forms import turning
 from plumbline.harness.conformance.engine import COARSE, FINE, ROUNDING, Engine, state_of
 from plumbline.harness.conformance.frames import TURNED, aligned, rotation, symmetric, turned_by
@@ -14,7 +14,7 @@ from plumbline.harness.scene import Body, Box, PlacedShape, Sphere
 from plumbline.harness.trajectory import State
 
 
-@check("After build, is the state the scene's: poses, velocities, all bodies?", firm=True)
+@firm("After build, is the state the scene's: poses, velocities, all bodies?")
 def initial_state_comes_back(engine: Engine) -> Comparisons:
     bodies = (
         free("a", p=(1.0, -2.0, 3.0), q=TURNED, v=(0.5, -1.5, 2.5), w=(3.0, 1.0, -2.0), moments=(0.2, 0.3, 0.4)),
@@ -29,7 +29,7 @@ def initial_state_comes_back(engine: Engine) -> Comparisons:
     yield near("w_WB [rad/s]", got.w_WB, expected.w_WB, ROUNDING)
 
 
-@check("Do states come in the order of the scene's bodies?", firm=True)
+@firm("Do states come in the order of the scene's bodies?")
 def body_order_is_kept(engine: Engine) -> Comparisons:
     places = [3, 0, 4, 1, 2]
     bodies = [free(f"body{k}", mass=1.0 + k, p=(10.0 * k, 0.0, 0.0), v=(0.0, 1.0 + k, 0.0)) for k in places]
@@ -39,7 +39,7 @@ def body_order_is_kept(engine: Engine) -> Comparisons:
     yield near("v_y in the same order [m/s]", end.v_WB[:, 1], [1.0 + k for k in places], 0.2)
 
 
-@check("Does a static body stand in the states at its own place?", Feature.BOX, firm=True)
+@firm("Does a static body stand in the states at its own place?", Feature.BOX)
 def fixed_bodies_keep_their_place(engine: Engine) -> Comparisons:
     """A static body between moving ones: states must not be packed."""
     wall = static("wall", Box(half_extents=(0.5, 0.5, 0.5)), p=(20.0, 1.0, 2.0), q=TURNED)
@@ -49,7 +49,7 @@ def fixed_bodies_keep_their_place(engine: Engine) -> Comparisons:
     yield aligned("angle to q_WB of the static body [rad]", end.q_WB[1], TURNED, ROUNDING)
 
 
-@check("Is q_WB (w, x, y, z), mapping B to W?", firm=True)
+@firm("Is q_WB (w, x, y, z), mapping B to W?")
 def quaternion_is_wxyz(engine: Engine) -> Comparisons:
     scene = without_gravity(free(q=TURNED))
     with engine.built(scene, COARSE) as simulation:
@@ -59,7 +59,7 @@ def quaternion_is_wxyz(engine: Engine) -> Comparisons:
     yield aligned("angle to the attitude of a body that does not turn [rad]", got, TURNED, ROUNDING)
 
 
-@check("Is w_WB in W, both given and read, and does the orientation follow it?", firm=True)
+@firm("Is w_WB in W, both given and read, and does the orientation follow it?")
 def angular_velocity_is_in_W(engine: Engine) -> Comparisons:
     w, t = (0.5, -1.0, 2.0), 0.2
     end = engine.final(without_gravity(free(q=TURNED, w=w)), t, COARSE)
@@ -90,18 +90,18 @@ def _inertia(engine: Engine, body: Body) -> Comparisons:
     yield near("w_WB of a free top [rad/s]", got, expected, 0.05 * change, "5 % of its change; first order errs by w dt/2")
 
 
-@check("Is the inertia in the body's frame, its three moments each on its own axis?", firm=True)
+@firm("Is the inertia in the body's frame, its three moments each on its own axis?")
 def inertia_is_in_B(engine: Engine) -> Comparisons:
     return _inertia(engine, free(moments=(0.1, 0.2, 0.25), q=TURNED))
 
 
-@check("Does an inertia with products act along its true principal axes?", Feature.FULL_INERTIA, firm=True)
+@firm("Does an inertia with products act along its true principal axes?", Feature.FULL_INERTIA)
 def products_of_inertia_count(engine: Engine) -> Comparisons:
     R = rotation(TURNED)
     return _inertia(engine, replace(free(q=TURNED), inertia=symmetric(R @ np.diag([0.1, 0.2, 0.25]) @ R.T)))
 
 
-@check("Is the state that of the centre of mass, and the shape where the scene places it?", Feature.SPHERE, firm=True)
+@firm("Is the state that of the centre of mass, and the shape where the scene places it?", Feature.SPHERE)
 def centre_of_mass_off_the_shape_origin(engine: Engine) -> Comparisons:
     """The same sphere, placed off the centre of mass of a body that spins in space or rests on the ground."""
     body = shaped("body", PlacedShape(shape=Sphere(radius=0.2), p_BS=(0.0, 0.0, 0.1)), inertia=free().inertia)

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from plumbline.harness.conformance.check import Comparisons, NotApplicable, check, near
+from plumbline.harness.conformance.check import Comparisons, NotApplicable, check, firm, near
 from plumbline.harness.conformance.engine import COARSE, FINE, Engine, state_of
 from plumbline.harness.conformance.frames import TURNED, aligned
 from plumbline.harness.conformance.scenes import free, without_gravity
@@ -14,7 +14,7 @@ _DIGITS = 1e-12
 1e-16, and the centre of mass of a tree, from which velocities are carried, as many. Single precision has 6e-8."""
 
 
-@check("Does a state come back with the digits of double precision, unless the engine says that it has single?", firm=True)
+@firm("Does a state come back with the digits of double precision, unless the engine says that it has single?")
 def states_have_double_precision(engine: Engine) -> Comparisons:
     if engine.adapter.single_precision:
         raise NotApplicable("the engine says that it computes in single precision")
@@ -32,7 +32,7 @@ def states_have_double_precision(engine: Engine) -> Comparisons:
     yield near("w_WB [rad/s]", got.w_WB, expected.w_WB, _DIGITS)
 
 
-@check("Is gravity right to a quarter of .1 %?", firm=True)
+@firm("Is gravity right to a quarter of .1 %?")
 def gravity_has_three_digits(engine: Engine) -> Comparisons:
     """Four short steps: every scheme gives g t, and a vendor's damping of .04 (1 + |v|) a second takes 8e-5 of it."""
     g, t = np.array([3.0, -4.0, -8.0]), 4 * FINE

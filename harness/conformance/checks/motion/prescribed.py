@@ -8,7 +8,7 @@ import numpy as np
 from plumbline.harness.adapter import Feature
 from plumbline.harness.case.commands import acting
 from plumbline.harness.case.forces import Controlled
-from plumbline.harness.conformance.check import Comparisons, check, near
+from plumbline.harness.conformance.check import Comparisons, check, firm, near
 from plumbline.harness.conformance.engine import COARSE, FINE, ROUNDING, Engine, state_of
 from plumbline.harness.conformance.frames import ORIGIN, TURNED, X, Y, Z, aligned
 from plumbline.harness.conformance.scenes import G, ball, block, free, ground, prismatic, shaped, without_gravity
@@ -39,10 +39,9 @@ def _sampled(law: Callable[[float], float], steps: int, dt: float) -> Samples:
     return Samples(time=times, target=tuple(law(t) for t in times))
 
 
-@check(
+@firm(
     "Is a body whose motion is prescribed where the law has it, at every step and in every direction?",
     Feature.PRESCRIBED_MOTION,
-    firm=True,
 )
 def prescribed_motion_is_where_its_law_has_it(engine: Engine) -> Comparisons:
     """A table shaken along two directions while it is carried on, and an arm that swings about an axis beside it."""

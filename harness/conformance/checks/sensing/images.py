@@ -7,7 +7,7 @@ from typing import Any, Literal
 import numpy as np
 
 from plumbline.harness.adapter import Feature
-from plumbline.harness.conformance.check import Comparisons, check, near, that
+from plumbline.harness.conformance.check import Comparisons, check, firm, near, that
 from plumbline.harness.conformance.engine import Engine
 from plumbline.harness.conformance.frames import rotation, vector
 from plumbline.harness.conformance.scenes import static, static_cube, without_gravity
@@ -38,9 +38,7 @@ def image_is_z_depth(engine: Engine) -> Comparisons:
     yield that(bool(np.isinf(opposite)), f"depth at the opposite pixel: got {opposite}, expected inf")
 
 
-@check(
-    "Does an image name the place in the scene of what is drawn, by its visual shapes?", Feature.RENDER | Feature.BOX, firm=True
-)
+@firm("Does an image name the place in the scene of what is drawn, by its visual shapes?", Feature.RENDER | Feature.BOX)
 def image_names_bodies(engine: Engine) -> Comparisons:
     """A box to the left and one to the right, drawn with a smaller one, in front of a wall that fills the lower half."""
     small = PlacedShape(shape=Box(half_extents=(0.2, 0.2, 0.2)))
@@ -132,11 +130,7 @@ def _coming(motion: Literal["kinematic", "dynamic"]) -> Scene:
     return without_gravity(behind, body, apart=(("far", body.material),))
 
 
-@check(
-    "Do rays meet kinematic bodies, and where they are now?",
-    Feature.RAYS | Feature.KINEMATIC | Feature.BOX | Feature.SPHERE,
-    firm=True,
-)
+@firm("Do rays meet kinematic bodies, and where they are now?", Feature.RAYS | Feature.KINEMATIC | Feature.BOX | Feature.SPHERE)
 def rays_meet_kinematic_bodies(engine: Engine) -> Comparisons:
     o, d = np.zeros((1, 3)), np.array([[0.0, 0.0, 1.0]])
     with engine.built(_coming("kinematic"), _DT) as simulation:
@@ -149,7 +143,7 @@ def rays_meet_kinematic_bodies(engine: Engine) -> Comparisons:
     yield that(a == b == [1], f"bodies: got {a} and {b}, expected [1]: it stands before the other")
 
 
-@check("Does a picture show where bodies are now, not a step ago?", Feature.RENDER | Feature.BOX | Feature.SPHERE, firm=True)
+@firm("Does a picture show where bodies are now, not a step ago?", Feature.RENDER | Feature.BOX | Feature.SPHERE)
 def pictures_show_the_present(engine: Engine) -> Comparisons:
     camera = Camera(name="camera", body=WORLD, rate=1.0, width=16, height=16, focal_x=20, focal_y=20, centre_x=8, centre_y=8)
     with engine.built(_coming("dynamic"), _DT) as simulation:

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from plumbline.harness.adapter import Feature
-from plumbline.harness.conformance.check import CheckResult, Comparisons, NotApplicable, check, judge, near
+from plumbline.harness.conformance.check import CheckResult, Comparisons, NotApplicable, firm, judge, near
 from plumbline.harness.conformance.engine import COARSE, Engine, state_of
 from plumbline.harness.conformance.frames import ORIGIN, TURNED, rotation, symmetric
 from plumbline.harness.conformance.scenes import G, free
@@ -14,11 +14,7 @@ from plumbline.harness.scene import Body, Imu, Quaternion, Scene, multiply
 from plumbline.harness.trajectory import Trajectory
 
 
-@check(
-    "Do the engine's own accelerometer and gyroscope count their lever, in their frame, at this instant?",
-    Feature.WRENCH,
-    firm=True,
-)
+@firm("Do the engine's own accelerometer and gyroscope count their lever, in their frame, at this instant?", Feature.WRENCH)
 def inertial_sensors_say_what_they_feel(engine: Engine) -> Comparisons:
     """A body that a torque spins up in free fall carries a sensor on a lever, askew.
 
@@ -28,10 +24,9 @@ def inertial_sensors_say_what_they_feel(engine: Engine) -> Comparisons:
     return _felt(engine, free(p=(1.0, 2.0, 3.0), q=TURNED), multiply(TURNED, TURNED))
 
 
-@check(
+@firm(
     "Do the engine's own sensors keep their mount on a body whose principal axes are turned against it?",
     Feature.WRENCH | Feature.FULL_INERTIA,
-    firm=True,
 )
 def inertial_sensors_on_turned_principal_axes(engine: Engine) -> Comparisons:
     """As above, with products of inertia: I w' = tau - w x I w, all in W."""
@@ -64,7 +59,7 @@ def _felt(engine: Engine, body: Body, q_BS: Quaternion) -> Comparisons:
     yield near("angular velocity in S [rad/s]", rate, R_SW @ w, 0.2 * float(np.linalg.norm(later)), because)
 
 
-@check("Does the engine's own accelerometer feel what bears it?", Feature.WRENCH, firm=True)
+@firm("Does the engine's own accelerometer feel what bears it?", Feature.WRENCH)
 def inertial_sensors_feel_their_support(engine: Engine) -> Comparisons:
     """Pushed upwards by its weight a body hangs still, and its accelerometer says +g upwards, in the sensor's frame."""
     imu = Imu(name="imu", body="body", rate=1.0, p_BS=(0.4, -0.3, 0.2), q_BS=TURNED)

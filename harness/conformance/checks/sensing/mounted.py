@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from plumbline.harness.adapter import Feature
-from plumbline.harness.conformance.check import Comparisons, check, near, that, worst
+from plumbline.harness.conformance.check import Comparisons, firm, near, that, worst
 from plumbline.harness.conformance.engine import COARSE, ROUNDING, Engine
 from plumbline.harness.conformance.frames import rotation, symmetric, turned_by, vector
 from plumbline.harness.conformance.room import MOUNT, SIGMAS, WALLS, carrier, in_a_room, mounted, read_on, seen_from
@@ -28,7 +28,7 @@ def _errors(law: AxisNoise, signal: Floats) -> Floats:
     return (1.0 + law.scale_error) * signal @ R_SA + law.bias
 
 
-@check("Do inertial sensors read their lever, their frame, their age and their errors on a body that turns?", firm=True)
+@firm("Do inertial sensors read their lever, their frame, their age and their errors on a body that turns?")
 def inertial_readings_on_a_turning_body(engine: Engine) -> Comparisons:
     """Read every fourth step, two steps late: what is stamped 8 dt tells of the four steps that end at 6 dt.
 
@@ -75,7 +75,7 @@ def _halfway(a: Floats, b: Floats) -> Floats:
     return a @ rotation(axis_angle(vector(axis / (2 * sine)), angle / 2))
 
 
-@check("Is inertial noise as strong as it is told: white noise, drifting bias, instability?", firm=True)
+@firm("Is inertial noise as strong as it is told: white noise, drifting bias, instability?")
 def inertial_noise_has_its_strength(engine: Engine) -> Comparisons:
     """Three sensors on a body at rest, each with one process in each channel, read at every step.
 
@@ -129,7 +129,7 @@ def _beams(channels: int = 5, columns: int = 24) -> Floats:
     return np.stack([np.cos(up) * np.cos(turn), np.cos(up) * np.sin(turn), np.sin(up) + 0.0 * turn], axis=-1)
 
 
-@check("Do range finders read between their bounds, from where they are mounted?", Feature.RAYS | Feature.BOX, firm=True)
+@firm("Do range finders read between their bounds, from where they are mounted?", Feature.RAYS | Feature.BOX)
 def lidar_reads_between_its_bounds(engine: Engine) -> Comparisons:
     """What stands nearer than the least range or farther than the greatest returns nothing; what does has its intensity."""
     lidar = Lidar(name="lidar", rate=1 / (6 * COARSE), **_REACH, **_LIDAR)
@@ -151,9 +151,7 @@ def lidar_reads_between_its_bounds(engine: Engine) -> Comparisons:
         yield worst(f"points of scan {scan} in S [m]", np.nan_to_num(streams["lidar/points"][scan]), along, 1e-9)
 
 
-@check(
-    "Does each column of a spinning range finder leave from where the sensor then is?", Feature.RAYS | Feature.BOX, firm=True
-)
+@firm("Does each column of a spinning range finder leave from where the sensor then is?", Feature.RAYS | Feature.BOX)
 def spinning_lidar_fires_column_by_column(engine: Engine) -> Comparisons:
     """A body that flies and turns evenly; the last column is fired at the stamp, each other one a share of a turn before."""
     steps, w = 6, (3.0, -4.0, 5.0)
@@ -178,7 +176,7 @@ def spinning_lidar_fires_column_by_column(engine: Engine) -> Comparisons:
     yield worst("ranges [m]", got[0], expected, 0.01, "a default damping")
 
 
-@check("Is the noise of range finders as strong as it is told?", Feature.RAYS | Feature.BOX, firm=True)
+@firm("Is the noise of range finders as strong as it is told?", Feature.RAYS | Feature.BOX)
 def lidar_noise_has_its_strength(engine: Engine) -> Comparisons:
     """One scan of 1440 beams: spread by range, beams lost by chance and for want of light."""
     law = LidarNoise(range_sigma=0.02, range_sigma_slope=0.01, dropout=0.2, intensity_sigma=0.03, least_intensity=0.2)
@@ -202,7 +200,7 @@ def lidar_noise_has_its_strength(engine: Engine) -> Comparisons:
     yield near("correlation of ranges and intensities", r, 0.0, SIGMAS / np.sqrt(count), "5 sigma")
 
 
-@check("Does a beam that spreads read the mean over its cone?", Feature.RAYS | Feature.BOX, firm=True)
+@firm("Does a beam that spreads read the mean over its cone?", Feature.RAYS | Feature.BOX)
 def wide_beams_read_the_mean_of_their_cone(engine: Engine) -> Comparisons:
     """Beams whose cone meets one wall alone, against 1000 directions spread evenly over each cone.
 

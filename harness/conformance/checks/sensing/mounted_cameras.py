@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from plumbline.harness.adapter import Feature
-from plumbline.harness.conformance.check import Comparisons, check, near, that, worst
+from plumbline.harness.conformance.check import Comparisons, firm, near, that, worst
 from plumbline.harness.conformance.engine import COARSE, Engine
 from plumbline.harness.conformance.room import MOUNT, SIGMAS, in_a_room, mounted, read_on, seen_from
 from plumbline.harness.scene import Camera, DepthCamera, StereoNoise, TimeOfFlightNoise
@@ -33,9 +33,7 @@ def _depths(state: State) -> tuple[Floats, Floats, Floats]:
     return (met.distance * rays[:, 2]).reshape(18, 24), met.body.reshape(18, 24), rays[:, 2].reshape(18, 24)
 
 
-@check(
-    "Do depth cameras read z-depth between their bounds, from where they are mounted?", Feature.RAYS | Feature.BOX, firm=True
-)
+@firm("Do depth cameras read z-depth between their bounds, from where they are mounted?", Feature.RAYS | Feature.BOX)
 def depth_camera_reads_between_its_bounds(engine: Engine) -> Comparisons:
     """Two focal lengths, on a body that flies and turns; then the noise of a stereo camera and of one by time of flight."""
     view = {"rate": 1 / (6 * COARSE), **_VIEW}
@@ -64,7 +62,7 @@ def depth_camera_reads_between_its_bounds(engine: Engine) -> Comparisons:
     yield near("share of pixels missing", 1 - valid.mean(), 0.1, SIGMAS * np.sqrt(0.09 / valid.size), "5 sigma")
 
 
-@check("Do pictures have two focal lengths, from where the camera is mounted?", Feature.RENDER | Feature.BOX, firm=True)
+@firm("Do pictures have two focal lengths, from where the camera is mounted?", Feature.RENDER | Feature.BOX)
 def camera_is_mounted_on_what_turns(engine: Engine) -> Comparisons:
     """The same view as the engine draws it itself, before any step and after six."""
     scene = in_a_room(Camera(name="camera", rate=1 / (6 * COARSE), **_VIEW), v_WB=(2.0, -1.5, 1.0), w_WB=(3.0, -4.0, 5.0))

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from plumbline.harness.adapter import Feature, Unsupported
-from plumbline.harness.conformance.check import Comparisons, NotApplicable, check, near, that
+from plumbline.harness.conformance.check import Comparisons, NotApplicable, check, firm, near, that
 from plumbline.harness.conformance.closed_forms import first_hit
 from plumbline.harness.conformance.engine import Engine, state_of
 from plumbline.harness.conformance.frames import ORIGIN, TURNED, X, Z, rotation
@@ -87,7 +87,7 @@ def _target(engine: Engine, x: float = 0.0) -> tuple[Scene, float]:
     return Scene(bodies=(static("other", small, p=(0.0, 0.0, 90.0)), static("target", large, p=(x + 25.0, 0.0, 0.0)))), 5.0
 
 
-@check("Is a hit beyond max_range a miss, and the next one within it a hit?", Feature.RAYS, firm=True)
+@firm("Is a hit beyond max_range a miss, and the next one within it a hit?", Feature.RAYS)
 def ray_beyond_max_range_misses(engine: Engine) -> Comparisons:
     """The target's bounding volume lies within reach, its face beyond: culling bodies is not culling hits."""
     scene, face = _target(engine)
@@ -125,7 +125,7 @@ def ray_from_inside_meets_the_far_side(engine: Engine) -> Comparisons:
         yield near(f"normals from inside a {shape.type}", hits.normal_W, outwards, 1e-4, "outwards, along the ray")
 
 
-@check("Do hits name the body's place in the scene and the outward normal?", Feature.RAYS, firm=True)
+@firm("Do hits name the body's place in the scene and the outward normal?", Feature.RAYS)
 def ray_names_body_and_normal(engine: Engine) -> Comparisons:
     scene, face = _target(engine)
     hits = _cast(engine, scene, np.array([ORIGIN, (0.0, 0.0, 80.0)]), np.array([X, Z]), 50.0)
@@ -134,7 +134,7 @@ def ray_names_body_and_normal(engine: Engine) -> Comparisons:
     yield near("normals against the rays", hits.normal_W, [(-1, 0, 0), (0, 0, -1)], 1e-4, "unit, outwards")
 
 
-@check("Do rays meet what collides, not what is drawn?", Feature.RAYS | Feature.BOX, firm=True)
+@firm("Do rays meet what collides, not what is drawn?", Feature.RAYS | Feature.BOX)
 def rays_meet_what_collides(engine: Engine) -> Comparisons:
     """Boxes of half a metre that are drawn smaller, larger, and not at all."""
     shown = {"smaller": (0.2,), "larger": (0.9,), "unseen": ()}
@@ -149,7 +149,7 @@ def rays_meet_what_collides(engine: Engine) -> Comparisons:
     yield that(hits.body.tolist() == [0, 1, 2], f"bodies: got {hits.body.tolist()}, expected [0, 1, 2]")
 
 
-@check("Does every ray of a large batch get its answer?", Feature.RAYS, firm=True)
+@firm("Does every ray of a large batch get its answer?", Feature.RAYS)
 def many_rays_all_answer(engine: Engine) -> Comparisons:
     """More rays than fit in a 16-bit count: a batch that is cut off drops the last ones without a word."""
     scene, face = _target(engine)
@@ -163,7 +163,7 @@ def many_rays_all_answer(engine: Engine) -> Comparisons:
     yield near("range of the first and the last ray [m]", hits.distance[[0, -1]], (face, face), 1e-3)
 
 
-@check("Do rays meet bodies where the state says they are?", Feature.RAYS | Feature.SPHERE, firm=True)
+@firm("Do rays meet bodies where the state says they are?", Feature.RAYS | Feature.SPHERE)
 def rays_see_the_present_state(engine: Engine) -> Comparisons:
     """A ball at 10 m/s is met where the state says it is, right after build and after a step, not one step behind."""
     dt, v, r = 0.01, 10.0, 0.1
@@ -177,7 +177,7 @@ def rays_see_the_present_state(engine: Engine) -> Comparisons:
     yield near("range after 3 steps [m]", later, 10.0 - r - 3 * v * dt, 5e-3, "one step behind would be .1 m off")
 
 
-@check("Do rays meet a shape that is turned on its body where the body has turned to?", Feature.RAYS | Feature.BOX, firm=True)
+@firm("Do rays meet a shape that is turned on its body where the body has turned to?", Feature.RAYS | Feature.BOX)
 def rays_meet_turned_shapes_of_a_body_that_turns(engine: Engine) -> Comparisons:
     """A box placed and turned on a body that flies and turns, before any step and after five, against its closed form.
 
@@ -209,7 +209,7 @@ def rays_meet_turned_shapes_of_a_body_that_turns(engine: Engine) -> Comparisons:
             yield near(f"worst error after {count} steps, along the normal [m]", greatest, 0.0, 1e-3 + 1e-5, because)
 
 
-@check("With two simulations open, do rays meet the bodies of their own?", Feature.RAYS, firm=True)
+@firm("With two simulations open, do rays meet the bodies of their own?", Feature.RAYS)
 def rays_ask_their_own_simulation(engine: Engine) -> Comparisons:
     """Two simulations are open at once, the target at 5 m in one and at 8 m in the other."""
     near_by, face = _target(engine)

@@ -10,6 +10,7 @@ from plumbline.adapters.sapien.bodies import Bodies, check_body, slab_of
 from plumbline.adapters.sapien.joints import Articulated, constrain, holder
 from plumbline.adapters.sapien.options import resolved_settings
 from plumbline.adapters.sapien.simulation import SapienSimulation, World
+from plumbline.adapters.sapien.suited import holds_led
 from plumbline.adapters.sapien.surfaces import groups_of, materials_of, patches_of
 from plumbline.adapters.sapien.vendor import new_world
 from plumbline.harness.adapter import Notice, Settings, Unsupported
@@ -28,8 +29,8 @@ def build(sapien: Any, scene: Scene, settings: Settings) -> SapienSimulation:
     joints = tuple(j for j in scene.joints if not is_distance_spring(j)) if Effect.JOINTS in effects else ()
     if Effect.JOINTS in effects:
         refuse_tendons(scene)
-    towed = next((joint for joint in joints if _holds_led(scene, joint)), None)
-    used = resolved_settings(settings, effects, towed is not None or _moves(scene, effects))
+    towed = next((joint for joint in joints if holds_led(scene, joint)), None)
+    used = resolved_settings(settings, scene)
     if towed is not None and used.solver == "pgs":
         raise Unsupported(
             f"joint '{towed.name}': a body that is led", "PGS takes its turning for nought at joints; TGS does not"
@@ -53,22 +54,6 @@ def build(sapien: Any, scene: Scene, settings: Settings) -> SapienSimulation:
             Notice(f"a box of {2 * bodies.slab:.4g} m stands for each plane: meshes that move fall through planes")
         )
     return SapienSimulation(scene, used, world)
-
-
-def _holds_led(scene: Scene, joint: Joint) -> bool:
-    """Does a joint hold something on a body that is led?"""
-    return any(name != WORLD and scene.body(name).motion == "kinematic" for name in (joint.parent, joint.child))
-
-
-def _moves(scene: Scene, effects: Effect) -> bool:
-    """Is a body led, or does one move at the start, where bodies touch and nothing drives them?
-
-    PGS keeps what rests quiet, what drives hold in its place, and a spin that nothing touches; what rolls on a table that is
-    led, or spins on its feet, it brakes wrongly.
-    """
-    if Effect.DRIVES in effects or Effect.CONTACT not in effects:
-        return False
-    return any(body.motion == "kinematic" or (body.movable and any(map(any, body.velocity_at_start))) for body in scene.bodies)
 
 
 @dataclass(slots=True)

@@ -24,7 +24,7 @@ def elimination_order(bodies: Sequence[Body], joints: Sequence[Joint]) -> Sequen
     if len(joints) < 3:
         return joints
     beside = neighbours(bodies, joints)
-    found = [j for part in _parts(beside) for j in _best(part, beside, joints)]
+    found = [j for part in mechanisms(beside) for j in _best(part, beside, joints)]
     if factor_cost(found, beside, joints) < factor_cost(range(len(joints)), beside, joints):
         return [joints[j] for j in found]
     return joints
@@ -58,7 +58,7 @@ def factor_cost(order: Sequence[int], beside: Sequence[Sequence[int]], joints: S
     return total
 
 
-def _parts(beside: Sequence[Sequence[int]]) -> list[list[int]]:
+def mechanisms(beside: Sequence[Sequence[int]]) -> list[list[int]]:
     """The joints of each mechanism, in the order of their first joints."""
     seen: set[int] = set()
     parts = []

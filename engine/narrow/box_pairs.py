@@ -8,8 +8,8 @@ import math
 from plumbline.engine.compile.jit import kernel
 from plumbline.engine.maths.rows import Vec
 from plumbline.engine.maths.vec import add, axpy, dot, mat_vec, neg, norm, scale, sub, tmat_vec
-from plumbline.engine.narrow.point import Points, put_point
-from plumbline.engine.narrow.solid import Solid, axis_of, moved
+from plumbline.engine.narrow.point import Points, put_nearest, put_point
+from plumbline.engine.narrow.solid import Solid, axis_of, largest, moved
 
 
 @kernel
@@ -41,12 +41,7 @@ def sphere_box(a: Solid, b: Solid, margin: float, out: Points, row: int) -> tupl
     else:
         outward, depth = nearest_face(p, h)
         distance = -depth
-    n = neg(mat_vec(b.m, outward))
-    gap = distance - ra
-    if gap > margin:
-        return 0, n
-    put_point(out, row, axpy(ra + 0.5 * gap, n, a.p), gap, 0)
-    return 1, n
+    return put_nearest(out, row, a.p, ra, neg(mat_vec(b.m, outward)), distance - ra, margin)
 
 
 @kernel
@@ -136,11 +131,7 @@ def box_plane(a: Solid, b: Solid, margin: float, out: Points, row: int) -> tuple
     """Box A against plane B: the corners of the face that looks most at the plane."""
     up, h = axis_of(b), a.size
     u = tmat_vec(a.m, up)
-    face = 0
-    if abs(u[1]) > abs(u[face]):
-        face = 1
-    if abs(u[2]) > abs(u[face]):
-        face = 2
+    face = largest(u)
     low = -1.0 if u[face] > 0.0 else 1.0
     count = 0
     n = neg(up)

@@ -33,6 +33,19 @@ def axis_of(solid: Solid) -> Vec:
 
 
 @kernel
+def column(m: Mat, k: int) -> Vec:
+    """Column k of a matrix: axis k of the frame, in W."""
+    return m[k], m[3 + k], m[6 + k]
+
+
+@kernel
+def largest(v: Vec) -> int:
+    """Which component of a vector has the largest magnitude, the first of equal ones."""
+    first = 1 if abs(v[1]) > abs(v[0]) else 0
+    return 2 if abs(v[2]) > abs(v[first]) else first
+
+
+@kernel
 def moved(solid: Solid, p: Vec) -> Solid:
     """The same shape with its centre at p."""
     return Solid(p, solid.m, solid.size)

@@ -162,13 +162,13 @@ def schema() -> None:
 @_file
 def new(file: Path) -> None:
     """Write a commented template to FILE, which is not there yet."""
-    from plumbline.harness.scene.importers.template import TEMPLATE
+    from plumbline.harness.scene.file import TEMPLATE
 
     if file.suffix != ".toml":
         raise click.BadParameter(f"'{file.suffix}', expected the ending .toml", param_hint="FILE")
     try:
         with file.open("x", encoding="utf-8") as out:
-            out.write(TEMPLATE)
+            out.write(TEMPLATE.read_text(encoding="utf-8"))
     except FileExistsError:
         raise click.BadParameter(f"'{file}' is there already; expected a new name", param_hint="FILE") from None
     say(f"{file}; plumbline run {file} puts it to every engine", err=True)

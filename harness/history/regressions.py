@@ -272,10 +272,7 @@ def over_nights(
     nights = [content["night"] for content in contents]
     steps = tuple(price_steps(series_of(nights, table_of(contents), {"price"}), CHANCE_OF_ALL / len(contents)))
     stamps = {night.stamp for night in nights}
-    told = [
-        *named_by(night.plan for night in late if night.stamp in stamps),
-        *(Named.of(row, tonight.stamp) for row in own),
-    ]
+    told = [*named_by(night.plan for night in late if night.stamp in stamps), *(Named.of(row, tonight.stamp) for row in own)]
     fresh: list[Dated] = []
     while True:
         # What is told of one is told of what goes on with it: a drift has several steps, and one name.

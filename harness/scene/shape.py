@@ -152,6 +152,5 @@ def scaled_shape(shape: "Shape", size: float) -> "Shape":
 
 
 Shape = Annotated[
-    Sphere | Box | Capsule | Cylinder | Ellipsoid | Plane | ConvexHull | TriangleMesh,
-    Field(discriminator="type"),
+    Sphere | Box | Capsule | Cylinder | Ellipsoid | Plane | ConvexHull | TriangleMesh, Field(discriminator="type")
 ]

@@ -9,6 +9,7 @@ from copy import deepcopy
 from dataclasses import dataclass
 from functools import cached_property
 from importlib.metadata import version
+from operator import itemgetter
 from pathlib import Path
 from textwrap import wrap
 from typing import Any
@@ -134,16 +135,21 @@ class Figure:
 
 
 def tabled(
-    rows: Iterable[Mapping[str, Any]], *columns: tuple[str, str | Callable[[Mapping[str, Any]], str]]
+    rows: Iterable[Mapping[str, Any]], *columns: str | tuple[str, Callable[[Mapping[str, Any]], str]]
 ) -> tuple[list[str], list[list[Any]]]:
-    """Headings and cells of the table below a chart, of pairs of a heading and a field, or of what makes its cell: numbers in
-    the digits of tables, counts and words as they are."""
+    """Headings and cells of the table below a chart: numbers in the digits of tables, counts and words as they are.
+
+    Args: columns: a field, or 'heading=field' where it is called otherwise, or a heading with what makes its cells.
+    """
 
     def cell(value: Any) -> Any:
         return amount(value) if value is None or isinstance(value, float) else value
 
-    makers = [(lambda row, key=key: row[key]) if isinstance(key, str) else key for _, key in columns]
-    return [heading for heading, _ in columns], [[cell(make(row)) for make in makers] for row in rows]
+    made: list[tuple[str, Callable[[Mapping[str, Any]], Any]]] = []
+    for column in columns:
+        heading, _, field = column.partition("=") if isinstance(column, str) else (column[0], "", "")
+        made.append((heading, itemgetter(field or heading) if isinstance(column, str) else column[1]))
+    return [heading for heading, _ in made], [[cell(make(row)) for _, make in made] for row in rows]
 
 
 CLIP = re.compile(r'(?<=id="clip)\d+|(?<=url\(#clip)\d+')

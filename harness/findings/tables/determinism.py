@@ -18,6 +18,7 @@ import numpy as np
 
 from plumbline.harness.findings.columns import Column, Table, names, outcome, side
 from plumbline.harness.findings.once import all_once
+from plumbline.harness.findings.spoken import SPOKEN
 from plumbline.harness.store.journal import NotKept
 from plumbline.harness.store.store import Store
 from plumbline.harness.trajectory import Floats
@@ -169,12 +170,7 @@ def broken(judged: Iterable[Repetition], engines: Collection[str]) -> list[str]:
     ]
 
 
-_WAYS = {
-    "again": "run again",
-    "alone": "with nothing beside it",
-    "restored": "from a saved state",
-    "reordered": "with bodies in another order",
-}
+_WAYS = SPOKEN["ways"]
 """What a repetition is called in a sentence; of another number of threads by that."""
 
 

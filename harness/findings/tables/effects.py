@@ -72,13 +72,7 @@ def _needed(store: Store, scenes: pd.DataFrame) -> dict[Effects, Need]:
 
 
 def _of_side(
-    store: Store,
-    engine: str,
-    track: str,
-    where: str,
-    group: pd.DataFrame,
-    needed: Mapping[Effects, Need],
-    samples: Sampled,
+    store: Store, engine: str, track: str, where: str, group: pd.DataFrame, needed: Mapping[Effects, Need], samples: Sampled
 ) -> Iterator[EffectVerdict]:
     runs = _runs(group)
     plain = runs.get("")

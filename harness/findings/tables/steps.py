@@ -10,6 +10,7 @@ from typing import Any
 
 from plumbline.harness.findings.columns import Cell, Column, Table, Titled, Titles, milli, names, scene
 from plumbline.harness.findings.cost_point import CostPoint
+from plumbline.harness.findings.once import once
 from plumbline.harness.findings.parameter_words import step_in_words, substeps_of
 from plumbline.harness.findings.prices import PER_SECOND, priced, unit_of
 from plumbline.harness.findings.standing import cheapness, is_reference, leaders
@@ -51,6 +52,7 @@ class StepRange(Cell):
     trial: str
 
 
+@once
 def largest_steps(store: Store) -> list[StepRange]:
     """One row for each setting of an engine that was run at `FEWEST` steps or more in a case that has an error."""
     prices = priced(store)

@@ -11,18 +11,7 @@ import math
 from dataclasses import dataclass, replace
 
 from plumbline.harness.props.robots.robot import MATERIAL, RobotOnFeet, hinge, inertia_of
-from plumbline.harness.scene import (
-    Body,
-    Box,
-    Capsule,
-    Drive,
-    PlacedShape,
-    Revolute,
-    Shape,
-    Sphere,
-    Vector3,
-    axis_angle,
-)
+from plumbline.harness.scene import Body, Box, Capsule, Drive, PlacedShape, Revolute, Shape, Sphere, Vector3, axis_angle
 
 MASS, STATURE = 70.0, 1.7
 SCALE = STATURE / 1.741

@@ -67,11 +67,7 @@ def _law(a: _Sort, b: _Sort, keys: dict[_Sort, str]) -> Surface | None:
         chosen = a if a.priority > b.priority else b
         friction, dimension = chosen.friction, chosen.condim
     else:
-        friction = (
-            max(a.friction[0], b.friction[0]),
-            max(a.friction[1], b.friction[1]),
-            max(a.friction[2], b.friction[2]),
-        )
+        friction = (max(a.friction[0], b.friction[0]), max(a.friction[1], b.friction[1]), max(a.friction[2], b.friction[2]))
         dimension = max(a.condim, b.condim)
     return _surface((keys[a], keys[b]), friction, dimension)
 
@@ -106,21 +102,10 @@ def _rows(model: Model, sorts: dict[int, _Sort], count: int) -> list[Fidelity]:
     masked = [model.name("geom", k) for k, sort in sorts.items() if (sort.contype, sort.conaffinity) in choosy]
     rows += Fidelity.exact("contype, conaffinity", masked, "materials, of which some pairs never touch")
     if count > colliding:
-        rows += Fidelity.left_out(
-            "geom",
-            "of no contact",
-            "it touches nothing by its masks; its mass counts, and if it is no mesh it is drawn",
-            count=count - colliding,
-        )
+        rows += Fidelity.told("geom of no contact", "of no contact", count=count - colliding)
     if colliding:
         rows += Fidelity.left_out("solref, solimp", "", "how soft a contact is and how fast it rebounds is each engine's own")
     away = [model.name("geom", k) for k in np.flatnonzero((model.geom_margin != 0) | (model.geom_gap != 0))]
     if away:
-        rows += Fidelity.left_out(
-            "margin, gap",
-            away,
-            "contacts begin at the surface; the file's begin away from it by up to",
-            value=float(np.abs(model.geom_margin).max()),
-            unit="m",
-        )
+        rows += Fidelity.told("margin", away, float(np.abs(model.geom_margin).max()))
     return rows

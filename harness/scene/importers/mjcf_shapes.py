@@ -40,12 +40,7 @@ def geometries(model: Model, keys: Mapping[int, str], rows: list[Fidelity], need
         made.setdefault(body, []).append(Geometry(shape, Pose(X.R, X.p), key))
     if exact:
         rows += Fidelity.exact("geom", "primitives", "shapes", count=exact)
-    rows += Fidelity.exact(
-        "geom mesh",
-        hulls,
-        "convex hull",
-        consequence="MuJoCo collides a mesh as its convex hull too; vertices are in single precision",
-    )
+    rows += Fidelity.told("mesh as its hull", hulls)
     rows += coarser(off)
     rows += Fidelity.exact(
         ELLIPSOIDS,

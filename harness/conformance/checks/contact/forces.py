@@ -66,8 +66,8 @@ def contacts_of_every_pair_of_shapes(engine: Engine) -> Comparisons:
             yield near(f"{pair}: upward part of the normals", got.normal_W[:, 2], np.full(len(got), up), 0.05)
             if len(got):
                 deepest = float(got.gap.min())
-                told = f"{pair}: gap of the deepest point: got {deepest:.5g} m, expected {least:.5g}..{most:.5g} m"
-                yield that(least - margin <= deepest <= most + margin, f"{told}, a tenth of the depth granted")
+                text = f"{pair}: gap of the deepest point: got {deepest:.5g} m, expected {least:.5g}..{most:.5g} m"
+                yield that(least - margin <= deepest <= most + margin, f"{text}, a tenth of the depth granted")
 
 
 _NEEDS = Feature.SPHERE | Feature.CONTACTS | Feature.CONTACT_FORCES

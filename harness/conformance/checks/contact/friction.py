@@ -98,13 +98,13 @@ def pair_friction_of_moving_bodies(engine: Engine) -> Comparisons:
 def friction_is_isotropic(engine: Engine) -> Comparisons:
     angles = (0.0, 22.5, 45.0, 90.0, 200.0)
     ahead = np.array([(cos(radians(angle)), sin(radians(angle))) for angle in angles])
-    ran = [_braking(engine, on_ground(engine, block(v=vector((*(3.0 * way), 0.0))))) for way in ahead]
+    ran = [_braking(engine, on_ground(engine, block(v=vector((*(3.0 * unit), 0.0))))) for unit in ahead]
     sizes = [float(size[0]) for size, _ in ran]
     mean = float(np.mean(sizes))
     because = "of their mean; a pyramid spreads by up to 41 %"
     yield near(f"friction towards {angles} degrees", sizes, np.full(5, mean), _WITHIN * mean, because)
-    for angle, way, (_, direction) in zip(angles, ahead, ran, strict=True):
-        yield near(f"force against a motion towards {angle:g} degrees", direction[0] @ -way, 1.0, 1e-3, "2.5 degrees")
+    for angle, unit, (_, direction) in zip(angles, ahead, ran, strict=True):
+        yield near(f"force against a motion towards {angle:g} degrees", direction[0] @ -unit, 1.0, 1e-3, "2.5 degrees")
 
 
 @check("Does a box stick on a slope below mu and slide above it by the difference?", Feature.BOX)

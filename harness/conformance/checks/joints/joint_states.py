@@ -128,9 +128,9 @@ def joint_reactions_bear_what_friction_holds(engine: Engine) -> Comparisons:
     A soft friction gives way until it bears all of the moment, by e for each 3 ms or so: a tenth of a second is e^-30.
     """
     for parent, child, sign in (("bracket", "boom", 1.0), ("boom", "bracket", -1.0)):
-        told = _reactions(engine, _bracket_and_boom(parent, child, friction_loss=8.0), 100)[1]
+        reaction = _reactions(engine, _bracket_and_boom(parent, child, friction_loss=8.0), 100)[1]
         what = f"force and torque of the hinge on the {child} [N, N m]"
-        yield near(what, told, sign * np.array(_BORNE), _SETTLED * G, "weight times arm")
+        yield near(what, reaction, sign * np.array(_BORNE), _SETTLED * G, "weight times arm")
 
 
 @check("Does what a joint carries hold a swinging body in its circle, beside its weight?", Feature.REVOLUTE)

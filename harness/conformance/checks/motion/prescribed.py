@@ -88,8 +88,8 @@ def prescribed_plate_takes_along_what_friction_can(engine: Engine) -> Comparison
         t, gained = steps * FINE, min(a, mu * G)
         because = "it goes with the plate" if share < 1 else "mu g t^2 / 2"
         lag = _SOFT * gained
-        way, because = gained * t * t / 2, f"{because}; what is soft lags"
-        yield near(f"way of the box at {share:g} mu g [m]", end.p_WB[1, 0], way, lag * t, because)
+        due, because = gained * t * t / 2, f"{because}; what is soft lags"
+        yield near(f"way of the box at {share:g} mu g [m]", end.p_WB[1, 0], due, lag * t, because)
         yield near(f"velocity of the box at {share:g} mu g [m/s]", end.v_WB[1, 0], gained * t, lag, "the same")
 
 

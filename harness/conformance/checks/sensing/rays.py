@@ -204,8 +204,8 @@ def rays_meet_turned_shapes_of_a_body_that_turns(engine: Engine) -> Comparisons:
             cosine = np.abs(np.take_along_axis(d_S[both], np.argmax(np.abs(where_S), axis=1)[:, None], axis=1)[:, 0])
             odd = int((np.isfinite(expected) != np.isfinite(hits.distance)).sum())
             greatest = float((np.abs(hits.distance[both] - expected[both]) * cosine).max(initial=0.0))
-            told = f"after {count} steps: got {odd} of 100 rays that hit or miss wrongly"
-            yield that(odd <= 1, f"{told}, expected 1 at most, grazing")
+            text = f"after {count} steps: got {odd} of 100 rays that hit or miss wrongly"
+            yield that(odd <= 1, f"{text}, expected 1 at most, grazing")
             yield near(f"worst error after {count} steps, along the normal [m]", greatest, 0.0, 1e-3 + 1e-5, because)
 
 

@@ -31,14 +31,14 @@ def boxes(tgs: bool, masses: tuple[float, ...], places: tuple[float, ...], parti
     physx.set_body_config(solver_position_iterations=50, solver_velocity_iterations=1, sleep_threshold=0.0)
     material = physx.PhysxMaterial(0.5, 0.5, 0.0)
     ground(scene, material)
-    made = []
+    stack = []
     for mass, z in zip(masses, places, strict=True):
         body = physx.PhysxRigidDynamicComponent()
         body.attach(weightless(physx.PhysxCollisionShapeBox([0.1, 0.1, 0.1], material)))
         put(scene, body, (0.0, 0.0, z), mass, mass / 150)
         body.max_depenetration_velocity = parting
-        made.append(body)
-    return scene, made
+        stack.append(body)
+    return scene, stack
 
 
 def thrown_out(tgs: bool, parting: float = 1e32) -> float:

@@ -4,7 +4,8 @@ Tried with sapien 3.0.3 (PhysX 5.3.1; Python 3.11, Linux x86-64).
 
 Sources:
     SAPIEN 3, `wrapper/articulation_builder.py` and the stubs of `sapien.physx`; NVIDIA, PhysX 5 guide, *Rigid Body Dynamics*
-    (TGS, iterations, bounce threshold) and *Articulations*; Macklin et al., *Small Steps in Physics Simulation*, SCA 2019.
+    (TGS, iterations, bounce threshold) and *Articulations*, and API reference (`PxSolverType`, `PxRigidBody`); Macklin et al.,
+    *Small Steps in Physics Simulation*, SCA 2019.
 
 Trees of hinges, slides and fixed joints are articulations, as SAPIEN's own loader has them; each that hangs on the world, or on
 a body that stands still, has a root of its own without shapes. Balls, rods, what closes loops, and what is damped or prescribed

@@ -102,9 +102,7 @@ class Articulated:
         if isinstance(joint, Fixed):
             return
         check_laws(joint)
-        low, high = (None, None) if joint.limits is None else (joint.limits.lower, joint.limits.upper)
-        ends = -np.inf if low is None else low - joint.position, np.inf if high is None else high - joint.position
-        link_joint.limit = np.array([ends], dtype=np.float32)
+        link_joint.limit = np.array([_stops(joint)], dtype=np.float32)
         link_joint.set_friction(0.0)
         link_joint.set_armature(np.array([joint.armature or 0.0], dtype=np.float32))
         if joint.speed_limit is not None:
@@ -142,6 +140,12 @@ class Articulated:
                 rates[order[name]] = rate[branch.edge.name]
         if len(rates):
             articulation.set_qvel(rates)
+
+
+def _stops(joint: Revolute | Prismatic) -> tuple[float, float]:
+    """The ends of its coordinate, counted from the start [rad or m]; infinite where there are none."""
+    low, high = (None, None) if joint.limits is None else (joint.limits.lower, joint.limits.upper)
+    return -math.inf if low is None else low - joint.position, math.inf if high is None else high - joint.position
 
 
 def check_laws(joint: Revolute | Prismatic) -> None:
@@ -197,11 +201,8 @@ def _bound(constraint: Any, joint: Distance) -> None:
             "limits of a distance joint of PhysX are hard or a spring, and the adapter makes one",
         )
     length = math.dist(joint.anchor_W, joint.child_anchor_W)
-    if joint.limits is not None:
-        upper = joint.limits.upper
-        constraint.set_limit(joint.limits.lower or 0.0, _INFINITE if upper is None else upper)
-    else:
-        constraint.set_limit(length, length)
+    low, high = (length, length) if joint.limits is None else (joint.limits.lower or 0.0, joint.limits.upper)
+    constraint.set_limit(low, _INFINITE if high is None else high)
 
 
 def _lock(constraint: Any, joint: Any) -> None:
@@ -216,14 +217,10 @@ def _lock(constraint: Any, joint: Any) -> None:
             f"joint '{joint.name}': {laws[0]}",
             "drives of SAPIEN's constraints exceed their law under TGS, and limit an impulse; joints in trees have it",
         )
-    low, high = (None, None)
-    if getattr(joint, "limits", None) is not None:
-        low, high = joint.limits.lower, joint.limits.upper
-    ends = -np.inf if low is None else low - joint.position, np.inf if high is None else high - joint.position
     if not isinstance(joint, Prismatic):
         constraint.set_limit_x(0.0, 0.0)
     elif joint.limits is not None:
-        constraint.set_limit_x(*ends)
+        constraint.set_limit_x(*_stops(joint))
     constraint.set_limit_y(0.0, 0.0)
     constraint.set_limit_z(0.0, 0.0)
     if isinstance(joint, Ball):
@@ -231,11 +228,11 @@ def _lock(constraint: Any, joint: Any) -> None:
     if not isinstance(joint, Revolute):
         constraint.set_limit_twist(0.0, 0.0)
     elif joint.limits is not None:
-        if not max(map(abs, ends)) < math.pi:
+        if not max(map(abs, _stops(joint))) < math.pi:
             raise Unsupported(
                 f"joint '{joint.name}': limits", "a stop of a constraint of PhysX beyond half a turn holds nothing"
             )
-        constraint.set_limit_twist(*ends)
+        constraint.set_limit_twist(*_stops(joint))
 
 
 def holder(scene: Scene, joint: Joint) -> str:

@@ -62,13 +62,12 @@ class SapienSimulation:
     def __init__(self, scene: Scene, used: Settings, world: World) -> None:
         self._scene, self._used, self._world = scene, used, world
         self._start, self._h = State.initial(scene), used.substep
-        self._moving = [k for k, body in enumerate(scene.bodies) if body.movable]
-        self._views = [world.components[k] for k in self._moving]
+        self._moving = {k: world.components[k] for k, body in enumerate(scene.bodies) if body.movable}
         rows = {body: row for row, body in enumerate(world.system.rigid_dynamic_components)}
         self._packed_bodies = len(rows)
-        free = {k: rows[body] for k, body in zip(self._moving, self._views, strict=True) if body in rows}
+        free = {k: rows[body] for k, body in self._moving.items() if body in rows}
         self._free, self._rows = in_a_row(list(free)), in_a_row(list(free.values()))
-        self._links = [(k, body) for k, body in zip(self._moving, self._views, strict=True) if body not in rows]
+        self._links = {k: body for k, body in self._moving.items() if body not in rows}
         start = self._start
         self._led = {
             k: Led(world.components[k], start.p_WB[k], body.q_WB, start.v_WB[k], start.w_WB[k])
@@ -121,7 +120,7 @@ class SapienSimulation:
         """Forces [N] and torques [N m], each (n, 3), by component; bodies that nothing pushes are left out."""
         return [
             (body, f_B_W[k].tolist(), tau_B_W[k].tolist())
-            for k, body in zip(self._moving, self._views, strict=True)
+            for k, body in self._moving.items()
             if f_B_W[k].any() or tau_B_W[k].any()
         ]
 
@@ -146,7 +145,7 @@ class SapienSimulation:
         free = self._packed()[: 13 * self._packed_bodies].reshape(-1, 13)[self._rows]
         out.q_WB[self._free], out.p_WB[self._free] = free[:, :4], free[:, 4:7]
         out.v_WB[self._free], out.w_WB[self._free] = free[:, 7:10], free[:, 10:]
-        for k, link in self._links:
+        for k, link in self._links.items():
             at = link.entity_pose
             out.p_WB[k], out.q_WB[k] = at.p, at.q
             out.v_WB[k], out.w_WB[k] = link.linear_velocity, link.angular_velocity
@@ -223,4 +222,4 @@ class SapienSimulation:
 
     def close(self) -> None:
         """Let go of the world; may be called twice."""
-        self._views, self._links, self._free, self._pushed, self._led = [], [], [], [], {}
+        self._moving, self._links, self._led, self._pushed = {}, {}, {}, []

@@ -60,9 +60,13 @@ CONFINED: tuple[tuple[Feature, tuple[str, ...], Callable[[], Scene]], ...] = (
 """Scenes that one of those words names, with the word."""
 IN_BUILDING = {("mujoco", Feature.RESTITUTION), ("mujoco", Feature.KINEMATIC)}
 """What is made once, so that a step shows nothing of it."""
-OWN = {("dart", "setCommands of a pace"), ("dart", "setErrorReductionParameter")}
-"""The vendor's own actuator, which forgets its velocity after each step and is told it again; and a setting that all of its
-worlds share, so that each has to set it while it steps."""
+OWN = {
+    ("dart", "setCommands of a pace"),
+    ("dart", "setErrorReductionParameter"),
+    ("sapien", "set_kinematic_target"),
+}
+"""The vendor's own actuator, which forgets its velocity after each step and is told it again; a setting that all of its worlds
+share, so that each has to set it while it steps; and where a led body of PhysX is to be after a step, its only way to move."""
 
 
 def handed_over(engine: Adapter, simulation: Simulation) -> set[str]:

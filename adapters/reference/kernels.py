@@ -109,10 +109,10 @@ def kernels() -> Kernels:
 SWEPT = ("swept.earliest.earliest_impact", "swept.strike.place_bodies", "swept.strike.strike")
 EXACT = (
     *(f"respond.exact.kernels.{name}" for name in ("begin_step", "kick_touched", "drift_touched")),
-    *(f"respond.exact.assembly.{name}" for name in ("write_closing", "write_frames", "write_problem", "give_impulses")),
+    *(f"respond.exact.kernels.{name}" for name in ("write_contacts", "write_problem", "give_impulses")),
     "respond.exact.law.largest_breach",
     "respond.exact.finish.finish_from",
-    "respond.exact.scaled.write_scaled",
+    "respond.exact.law.write_scaled",
     "respond.exact.trace.look_at",
 )
 EXACT_JOINTS = ("respond.exact.kernels.write_joint_rows", "respond.exact.kernels.look_at_joints")

@@ -90,7 +90,7 @@ def assemble_world(
     excluded = [pair for pair in ends if None not in pair]
     spheres = spheres_only(bodies, joints, surfaces, options)
     sizes = _sizes(bodies, joints, solids, options, spheres, islands)
-    sizes |= {Per.EXCLUDED: len(excluded), Per.LAW: len(materials) ** 2}
+    sizes |= {Per.EXCLUDED: len(excluded), Per.LAW: len(materials) * len(materials)}
     floats, ints = at.new_arena(shapes_of(sizes))
     tables = floats_of, ints_of = at.tables(floats, ints)
     _write_bodies(tables, bodies)

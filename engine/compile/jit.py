@@ -82,11 +82,6 @@ def kernel(function: Function) -> Function:
     return _linked(function, "kernel")
 
 
-def seldom(function: Function) -> Function:
-    """As `kernel`, off the way that most steps take: compiled small and called, so that what calls it stays small too."""
-    return _linked(function, "seldom")
-
-
 def stream(function: Function) -> Function:
     """A kernel whose array arguments do not overlap, so that the compiler may take several steps of a loop at once.
 

@@ -33,10 +33,10 @@ from numba.core import (
 )
 from numba.core.codegen import JITCodeLibrary
 from numba.core.runtime.nrt import rtsys
-from numba.extending import intrinsic
 
 from plumbline.engine.compile.kernel_cache import read_checked, write_checked
-from plumbline.engine.compile.table_type import Table, as_given, get_item, set_item, within
+from plumbline.engine.compile.table_type import Table, as_given, get_item, set_item
+from plumbline.engine.compile.table_type import table_within as table_within
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 types: Any = numba.types
@@ -68,11 +68,11 @@ LONG = 300
 class KernelLibrary(Library):
     """What a kernel is compiled into: a module to be linked, without machine code.
 
-    Terms: seldom: whether it stays a function, and small; inline: whether the optimiser decides so; raises: whether it can end
-    otherwise than with an answer.
+    Terms: inline: whether the optimiser decides where it is put in place of calls; raises: whether it can end otherwise than
+    with an answer.
     """
 
-    seldom, inline, raises = False, True, True
+    inline, raises = True, True
 
     @property
     def codegen(self) -> Any:
@@ -88,8 +88,6 @@ class KernelLibrary(Library):
     def add_ir_module(self, module: Any) -> None:
         """Take in what Numba wrote, cleaned up."""
         self.raises = may_raise(module)
-        if self.seldom:
-            keep_apart(module)
         super().add_ir_module(module)
 
     def _optimize_functions(self, module: Any) -> None:
@@ -185,14 +183,6 @@ def may_raise(module: Any) -> bool:
     """Whether a function of a module can end otherwise than with an answer."""
     ends = [block.terminator for function in module.functions for block in function.blocks if block.terminator.opname == "ret"]
     return any(getattr(end.operands[0], "constant", None) not in ANSWERED for end in ends)
-
-
-def keep_apart(module: Any) -> None:
-    """Have the functions of a module small and called, wherever they are linked into."""
-    for function in module.functions:
-        if function.blocks:
-            for attribute in ("cold", "noinline", "optsize"):
-                function.attributes.add(attribute)
 
 
 class LowerKernel(Lower):
@@ -389,24 +379,16 @@ KERNEL_PASSES = (
 class KernelCompiler(Base):
     """Numba's compiler for functions that are only ever linked into others."""
 
-    seldom = False
-
     def define_pipelines(self) -> list[Any]:
         """One, into a module that waits to be linked, without a whole analysis of variables after each pass."""
         self.state.library = KernelLibrary(self.state.targetctx.codegen(), self.state.func_id.func_qualname)
-        self.state.library.inline, self.state.library.seldom = not self.state.flags.forceinline, self.seldom
+        self.state.library.inline = not self.state.flags.forceinline
         manager = machinery.PassManager("kernel")
         manager._ENFORCING = False
         for one in KERNEL_PASSES:
             manager.add_pass(one, one.name())
         manager.finalize()
         return [manager]
-
-
-class SeldomCompiler(KernelCompiler):
-    """The same for functions that stay functions, and small."""
-
-    seldom = True
 
 
 class StreamCompiler(Base):
@@ -435,7 +417,6 @@ _UNCALLED = {"forceinline": False, "no_cpython_wrapper": True, "no_cfunc_wrapper
 OPTIONS: dict[str, dict[str, Any]] = {
     "entry": {"pipeline_class": EntryCompiler},
     "kernel": {**_UNCALLED, "pipeline_class": KernelCompiler},
-    "seldom": {**_UNCALLED, "pipeline_class": SeldomCompiler},
     "stream": {**_UNCALLED, "pipeline_class": StreamCompiler},
     "inlined": {**_UNCALLED, "pipeline_class": KernelCompiler, "forceinline": True},
 }
@@ -518,13 +499,3 @@ def entry_point(function: Any, signature: Any) -> tuple[Any, int]:
     made = function.get_compile_result(signature)
     library = made._asdict()["library"]
     return made.signature.return_type, library.get_pointer_to_function(made.fndesc.llvm_cfunc_wrapper_name)
-
-
-def table_finder() -> Callable[..., Any]:
-    """How compiled code finds a table within numbers in a row: (numbers, start, rows, columns)."""
-
-    @intrinsic
-    def find(_: Any, numbers: Any, _start: Any, _rows: Any, _columns: Any) -> Any:
-        return within(numbers)
-
-    return cast(Callable[..., Any], find)

@@ -198,8 +198,9 @@ def _copy(table: Any) -> Any:
     return copy_row if table.ndim == 1 else copy_rows
 
 
-def within(numbers: Any) -> tuple[Any, Any]:
-    """How a table that starts at one of numbers in a row, (numbers, start, rows, columns), is typed, and written."""
+@extend.intrinsic
+def table_within(_: Any, numbers: Any, _start: Any, _rows: Any, _columns: Any) -> Any:
+    """The table that starts at one of numbers in a row: (numbers, start, rows, columns)."""
     source, kind = Table(numbers.dtype, 1), Table(numbers.dtype, 2)
 
     def code(context: Any, builder: Any, _: Any, values: Any) -> Any:

@@ -12,7 +12,7 @@ import math
 
 import numpy as np
 
-from plumbline.engine.compile.jit import kernel, seldom
+from plumbline.engine.compile.jit import kernel
 from plumbline.engine.constrain.dependence import LOW_PIVOT, lies_in_span
 from plumbline.engine.maths.double_double import Double, add2, div2, dot2, less2, mul2, product
 from plumbline.engine.maths.rows import Floats, Sym, load3, load6, store3
@@ -62,7 +62,7 @@ def coupling(rows: Rows, r: int, s: int, high: Floats, rest: Floats) -> Double:
     return total
 
 
-@seldom
+@kernel
 def careful_solve(rows: Rows, n: int, bodies: Bodies, right: int, out: int, force: Floats) -> None:
     """Impulses so that J M^-1 (force + J^T impulse) + softness impulse = vector[right] on rows that are not held (PIVOT 1).
 
@@ -141,7 +141,7 @@ def careful_solve(rows: Rows, n: int, bodies: Bodies, right: int, out: int, forc
                 vector[out, k], vector[at.LOW_PART, k] = less2(before, mul2((unit_high[i, k], unit_rest[i, k]), found))
 
 
-@seldom
+@kernel
 def careful_apply(table: Floats, rows: Rows, n: int, bodies: Bodies, which: int, sign: float, force: Floats) -> None:
     """Add sign M^-1 (force + J^T impulse) to the columns V and W of the table: forces are summed before inertia divides.
 

@@ -15,7 +15,7 @@ import math
 
 import numpy as np
 
-from plumbline.engine.compile.jit import seldom
+from plumbline.engine.compile.jit import kernel
 from plumbline.engine.maths.rows import Floats, load3
 from plumbline.engine.maths.vec import dot
 from plumbline.engine.memory import arena as at
@@ -39,7 +39,7 @@ NEAREST = 1e-9
 """Levers below this share of the longest one are round-off of an anchor in the centre of mass."""
 
 
-@seldom
+@kernel
 def lies_in_span(rows: Rows, i: int, body: Floats, pivot: float) -> bool:
     """Whether row i is a combination of the rows before it that are not held, whose `factor` is at hand, with its own.
 

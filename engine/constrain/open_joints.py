@@ -6,7 +6,7 @@ is wider than it has any need to be: where no motion of the bodies closes it, it
 
 import numpy as np
 
-from plumbline.engine.compile.jit import seldom
+from plumbline.engine.compile.jit import kernel
 from plumbline.engine.constrain.joint_rows import anchors, equality_rows
 from plumbline.engine.constrain.projection import close_gaps
 from plumbline.engine.integrate.semi_implicit_euler import turn_inertia
@@ -33,7 +33,7 @@ ROUND_OFF = 1e-12
 """What floats lose of a place, by its distance from the origin, over the sums that make a gap; and of any gap [m or rad]."""
 
 
-@seldom
+@kernel
 def open_joint(floats: Floats, ints: Ints, touching: bool) -> int:
     """Look at all gaps. Args: touching: whether contacts are solved beside the joints.
 
@@ -52,7 +52,7 @@ def open_joint(floats: Floats, ints: Ints, touching: bool) -> int:
     return OPEN_JOINT + joint
 
 
-@seldom
+@kernel
 def closes(floats: Floats, ints: Ints) -> bool:
     """Whether some motion of the bodies, tried on copies, closes the gaps of all joints."""
     bodies, joints, rows = bodies_of(floats, ints), joints_of(floats, ints), rows_of(floats, ints)
@@ -67,7 +67,7 @@ def closes(floats: Floats, ints: Ints) -> bool:
     return joint < 0
 
 
-@seldom
+@kernel
 def widest_joint(floats: Floats, ints: Ints, state: Floats, share: float, moving: bool) -> tuple[int, float]:
     """The joint that is open furthest beyond a share of its levers, or an angle of that size, in this state, and its gap.
 

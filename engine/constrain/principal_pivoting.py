@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from plumbline.engine.compile.jit import kernel, seldom
+from plumbline.engine.compile.jit import kernel
 from plumbline.engine.constrain.careful import careful_solve
 from plumbline.engine.constrain.dependence import SUSPECT
 from plumbline.engine.constrain.direct import apply_all, factor, is_careful, rate, solve
@@ -48,7 +48,7 @@ class Bounded(NamedTuple):
     side: Floats
 
 
-@seldom
+@kernel
 def settle_bounds(bodies: Bodies, rows: Rows, equalities: int, n: int) -> None:
     """Write BOUND, from WORK, LOWEST and HIGHEST. PIVOT, RIGHT, IMPULSE and the factor are overwritten."""
     vector, m = rows.vector, n - equalities

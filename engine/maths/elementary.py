@@ -12,7 +12,7 @@ import math
 
 import numpy as np
 
-from plumbline.engine.compile.jit import kernel, seldom
+from plumbline.engine.compile.jit import kernel
 from plumbline.engine.maths.floats import fma, from_word, word
 
 PI_HALF = (1.5707963267948966, 6.123233995736766e-17)
@@ -90,7 +90,7 @@ def _reduced(x: float) -> tuple[int, float, float]:
     return int(n) & 3, high, (rest - high) + low
 
 
-@seldom
+@kernel
 def _reduced_far(x: float) -> tuple[int, float, float]:
     """The same by the digits of 2 / pi that are worth less than a whole turn, the product in whole numbers."""
     mantissa = (word(x) & FRACTION) | (1 << FRACTION_BITS)

@@ -33,7 +33,7 @@ def _view(numbers: NDArray[Any], start: int, rows: int, columns: int) -> Any:
     return numbers[start : start + rows * columns].reshape((rows, columns))
 
 
-table_within: Any = linker().table_finder() if linker() else kernel(_view)
+table_within: Any = linker().table_within if linker() else kernel(_view)
 
 
 @inlined

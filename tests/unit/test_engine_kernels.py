@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from plumbline.engine.compile.jit import kernel, linker, seldom
+from plumbline.engine.compile.jit import kernel, linker
 from plumbline.engine.maths.floats import fma
 
 pytestmark = pytest.mark.compiler
@@ -132,11 +132,6 @@ def once(a: float, b: float, c: float) -> float:
     return fma(a, b, c)
 
 
-@seldom
-def seldom_weighed(table: Array) -> float:
-    return weighed(table) + 1.0
-
-
 number_from_python = njit(lambda table, i, j: number_at(table, i, j))
 weighed_from_python = njit(lambda table: weighed(table))
 cut_from_python = njit(lambda table, a, b: weighed(cut(table, a, b)))
@@ -228,11 +223,3 @@ def test_a_product_is_rounded_before_it_is_added_to_but_where_the_text_says_so()
     given = 1.0 + SMALL, 1.0 - SMALL, 1.0
     assert njit(lambda a, b, c: sums(a, b, c))(*given) == plain(sums)(*given) == (0.0,) * 6
     assert njit(lambda a, b, c: once(a, b, c))(1.0 + SMALL, 1.0 - SMALL, -1.0) == -(SMALL**2)
-
-
-@linked
-def test_a_seldom_kernel_stays_a_function_and_says_the_same() -> None:
-    assert njit(lambda table: seldom_weighed(table))(NUMBERS) == weighed_from_python(NUMBERS) + 1.0
-    compiled: Any = seldom_weighed
-    (made,) = compiled.overloads.values()
-    assert "noinline" in str(made.library.alone())

@@ -16,7 +16,7 @@ from plumbline.engine.articulated import tables as tree
 from plumbline.engine.articulated.articulated_body import accelerations, transmitted
 from plumbline.engine.articulated.forces import centre_velocity, weigh_links
 from plumbline.engine.articulated.motion import move_links, rates_of
-from plumbline.engine.articulated.passes import forces_inwards, outwards
+from plumbline.engine.articulated.passes import before_joint, forces_inwards
 from plumbline.engine.articulated.spatial import Spatial, axpy6, dot6, sliding, turning
 from plumbline.engine.articulated.tables import Trees
 from plumbline.engine.articulated.ties import follow_coordinates, follow_rates, pull_ties, pulled_beside
@@ -142,14 +142,25 @@ def answer_forces(trees: Trees, h: float, reactions: bool) -> tuple[float, float
     forces_inwards(trees, 0)
     if trees.tie.shape[0] > 0:
         pull_ties(trees, False, False)
-    outwards(trees, 0, False, False)
-    for k in range(column.shape[0]):
-        if column[k, tree.ADDED] == math.inf:
-            i = int(trees.law[k, tree.OWNER])
-            along[k, tree.LEFT] += dot6(load6(column, k, tree.PULL), load6(trees.answer, i, tree.ACCELERATION))
-            along[k, tree.LEFT] += dot6(load6(column, k, tree.AXIS_W), load6(trees.answer, i, tree.FORCE))
-            along[k, tree.LEFT] -= pulled_beside(trees, k)
-    return take_changes(trees, h, reactions)
+    motion, largest, fastest = trees.motion, 0.0, 0.0
+    for i in range(trees.kind.shape[0]):
+        a = before_joint(trees, 0, i, False)
+        for k in range(trees.kind[i, tree.FIRST], trees.kind[i, tree.FIRST] + trees.kind[i, tree.COLUMNS]):
+            taken = dot6(load6(column, k, tree.PULL), a)
+            if column[k, tree.ADDED] != math.inf:
+                change = column[k, tree.INVERSE] * (along[k, tree.LEFT] - taken)
+                a = axpy6(change, load6(column, k, tree.AXIS_W), a)
+                column[k, tree.RATE] += h * change
+                largest = max(largest, abs(h * change))
+            else:
+                along[k, tree.LEFT] += taken + dot6(load6(column, k, tree.AXIS_W), load6(trees.answer, i, tree.FORCE))
+                along[k, tree.LEFT] -= pulled_beside(trees, k)
+            fastest = max(fastest, abs(column[k, tree.RATE]))
+        store6(trees.answer, i, tree.ACCELERATION, a)
+        store6(motion, i, tree.VELOCITY, axpy6(h, a, load6(motion, i, tree.VELOCITY)))
+    if reactions:
+        add_reactions(trees, h)
+    return largest, fastest
 
 
 @kernel

@@ -30,18 +30,14 @@ def with_trees(floats: Floats, ints: Ints, forest: Forest) -> tuple[Floats, Ints
         [n, len(forest.others), len(forest.closing), t],
     )
     starts: list[int] = []
-    place = len(floats)
-    for count, columns in zip(rows[0], tree.FLOAT_COLUMNS.tolist(), strict=True):
-        starts += [place, count]
-        place += count * columns
-    behind = np.zeros(place - len(floats))
-    place = len(ints) + 2 * (len(rows[0]) + len(rows[1]))
-    for count, columns in zip(rows[1], tree.INT_COLUMNS.tolist(), strict=True):
-        starts += [place, count]
-        place += count * columns
-    tail = np.zeros(place - len(ints) + 1, np.int64)
+    ends = [len(floats), len(ints) + 2 * (len(rows[0]) + len(rows[1]))]
+    for which, columns in enumerate((tree.FLOAT_COLUMNS, tree.INT_COLUMNS)):
+        for count, width in zip(rows[which], columns.tolist(), strict=True):
+            starts += [ends[which], count]
+            ends[which] += count * width
+    tail = np.zeros(ends[1] - len(ints) + 1, np.int64)
     tail[: len(starts)], tail[-1] = starts, len(ints)
-    floats, ints = np.concatenate((floats, behind)), np.concatenate((ints, tail))
+    floats, ints = np.concatenate((floats, np.zeros(ends[0] - len(floats)))), np.concatenate((ints, tail))
     first = 0
     for k, (link, kind) in enumerate(zip(forest.links, types, strict=True)):
         kin = link.parent, link.body, link.joint, kind, first, DEGREES[kind], link.base, link.root, k, link.root

@@ -78,22 +78,15 @@ def forest_of(bodies: Sequence[Body], joints: Sequence[Joint]) -> Forest | NoFor
     """
     movable = {body.name: i for i, body in enumerate(bodies) if body.motion == "dynamic"}
     number = {body.name: i for i, body in enumerate(bodies)}
-    on: dict[int, list[int]] = {i: [] for i in movable.values()}
-    held: list[int] = []
-    for j, joint in enumerate(joints):
-        if isinstance(joint, Distance):
-            # The distance of two anchors is no coordinate of a tree: it closes a loop, or stands for a spring.
-            continue
-        ends = [movable[name] for name in (joint.parent, joint.child) if name in movable]
-        for i in ends:
-            on[i].append(j)
-        if len(ends) == 1:
-            held.append(j)
-    children = {
-        movable[joint.child]
+    # The distance of two anchors is no coordinate of a tree: it closes a loop, or stands for a spring.
+    ends = [
+        (-1, -1) if isinstance(joint, Distance) else (movable.get(joint.parent, -1), movable.get(joint.child, -1))
         for joint in joints
-        if not isinstance(joint, Distance) and joint.child in movable and joint.parent in movable
-    }
+    ]
+    on: dict[int, list[int]] = {i: [] for i in movable.values()}
+    for j, i in ((j, i) for j, pair in enumerate(ends) for i in pair if i >= 0):
+        on[i].append(j)
+    children = {b for a, b in ends if a >= 0 and b >= 0}
     links: list[Link] = []
     where: dict[int, int] = {}
     used: set[int] = set()
@@ -110,17 +103,13 @@ def forest_of(bodies: Sequence[Body], joints: Sequence[Joint]) -> Forest | NoFor
             against = j >= 0 and number.get(joints[j].parent) == outer
             links.append(Link(outer, parent, links[parent].root if parent >= 0 else k, j, base if parent < 0 else -1, against))
             for j in reversed(on[outer]):
-                ends = [movable.get(name, -1) for name in (joints[j].parent, joints[j].child)]
-                other = ends[0] if ends[1] == outer else ends[1]
+                other = sum(ends[j]) - outer
                 if j not in used and other >= 0:
                     waiting.append((other, k, j))
 
-    for j in held:
-        inner, outer = joints[j].parent, joints[j].child
-        if inner in movable:
-            inner, outer = outer, inner
-        if movable[outer] not in where:
-            plant(movable[outer], j, number.get(inner, len(bodies)))
+    for j, (a, b) in enumerate(ends):
+        if (a < 0) != (b < 0) and max(a, b) not in where:
+            plant(max(a, b), j, number.get(joints[j].parent if a < 0 else joints[j].child, len(bodies)))
     for i in sorted((i for i in on if on[i]), key=lambda i: i in children):
         if i not in where:
             plant(i, -1, -1)

@@ -85,36 +85,36 @@ def room_for_trials(trees: Trees, stages: int) -> Trial:
 
 
 @kernel
-def move(table: Floats, i: int, first: int, count: int, y: Floats, row: int, place: int, back: bool) -> int:
-    """Copy so many numbers of row i of a table into a row of y from `place` on, or back from there. Returns: behind them."""
+def move(table: Floats, i: int, first: int, count: int, y: Floats, row: int, offset: int, back: bool) -> int:
+    """Copy so many numbers of row i of a table into a row of y from `offset` on, or back from there. Returns: behind them."""
     for c in range(count):
         if back:
-            table[i, first + c] = y[row, place + c]
+            table[i, first + c] = y[row, offset + c]
         else:
-            y[row, place + c] = table[i, first + c]
-    return place + count
+            y[row, offset + c] = table[i, first + c]
+    return offset + count
 
 
 @kernel
 def move_carried(trees: Trees, y: Floats, row: int, back: bool) -> None:
     """As `move`, of what joints have carried."""
-    place = y.shape[1] - CARRIED * trees.joints.joint.shape[0]
+    offset = y.shape[1] - CARRIED * trees.joints.joint.shape[0]
     for j in range(trees.joints.joint.shape[0]):
-        place = move(trees.joints.joint, j, at.REACTION, CARRIED, y, row, place, back)
+        offset = move(trees.joints.joint, j, at.REACTION, CARRIED, y, row, offset, back)
 
 
 @kernel
 def move_all(trees: Trees, y: Floats, row: int, back: bool) -> None:
     """As `move`, of all that is in y; orientations come back as unit ones."""
-    place = 0
+    offset = 0
     for i in range(trees.kind.shape[0]):
-        place = move(trees.coordinate, i, 0, POSE, y, row, place, back)
+        offset = move(trees.coordinate, i, 0, POSE, y, row, offset, back)
         if back and trees.kind[i, tree.COLUMNS] > 1:
             store4(trees.coordinate, i, 0, quat_unit(load4(trees.coordinate, i, 0)))
     for k in range(trees.column.shape[0]):
-        place = move(trees.column, k, tree.RATE, 1, y, row, place, back)
+        offset = move(trees.column, k, tree.RATE, 1, y, row, offset, back)
     for n in range(trees.other.shape[0]):
-        place = move(trees.bodies.state, trees.other[n, 0], 0, POSE, y, row, place, back)
+        offset = move(trees.bodies.state, trees.other[n, 0], 0, POSE, y, row, offset, back)
     move_carried(trees, y, row, back)
 
 
@@ -133,13 +133,13 @@ def write_slope(trees: Trees, k: Floats, stage: int) -> None:
     column, kind = trees.column, trees.kind
     n = kind.shape[0]
     for i in range(n):
-        first, place = kind[i, tree.FIRST], POSE * i
+        first, offset = kind[i, tree.FIRST], POSE * i
         if kind[i, tree.COLUMNS] == 1:
-            k[stage, place] = column[first, tree.RATE]
+            k[stage, offset] = column[first, tree.RATE]
         elif kind[i, tree.COLUMNS] > 1:
-            store4(k, stage, place, quat_rate(load4(trees.coordinate, i, 0), rates_of(trees, first)))
+            store4(k, stage, offset, quat_rate(load4(trees.coordinate, i, 0), rates_of(trees, first)))
             if kind[i, tree.TYPE] == tree.FREE:
-                store3(k, stage, place + tree.POSITION, rates_of(trees, first + 3))
+                store3(k, stage, offset + tree.POSITION, rates_of(trees, first + 3))
     for c in range(column.shape[0]):
         k[stage, POSE * n + c] = trees.along[c, tree.CHANGE]
     for j in range(trees.joints.joint.shape[0]):

@@ -22,26 +22,10 @@ section VII.1.4; Leimkuhler, Patrick, A symplectic integrator for Riemannian man
 import math
 from typing import Final
 
+from plumbline.engine.articulated import bounded
+from plumbline.engine.articulated import contact_euler as held
 from plumbline.engine.articulated import tables as tree
 from plumbline.engine.articulated.advance import answer_forces, carry_bases, drift_coordinates, take_changes
-from plumbline.engine.articulated.bounded import (
-    ALL,
-    MOST_TURNS,
-    are_settled,
-    settle_laws,
-    start_again,
-    start_laws,
-    write_laws,
-)
-from plumbline.engine.articulated.contact_euler import (
-    Touching,
-    answer_given,
-    begin_loops,
-    move_others,
-    relax,
-    settle_contacts,
-    start_contacts,
-)
 from plumbline.engine.articulated.momenta import go_on_bending, keep_momenta
 from plumbline.engine.articulated.motion import move_links
 from plumbline.engine.articulated.secants import bend_links
@@ -92,36 +76,37 @@ def close_bends(trees: Trees, h: float, reactions: bool) -> None:
 
 
 @kernel
-def semi_implicit_euler(trees: Trees, touching: Touching | None, h: float, substep: int, reactions: bool) -> bool:
+def semi_implicit_euler(trees: Trees, touching: held.Touching | None, h: float, substep: int, reactions: bool) -> bool:
     """Advance all trees and bases by a sub-step h, and the free bodies that contacts touch.
 
     Args: touching: what else holds them, or None; reactions: whether to count what joints carry.
     Returns: whether the laws had an answer.
     """
-    begin_loops(trees, touching, h)
-    move_others(trees, touching, h, drifts=False)
+    held.begin_loops(trees, touching, h)
+    held.move_others(trees, touching, h, drifts=False)
     move_links(trees)
     go_on_bending(trees)
-    times = start_contacts(trees, touching, h, substep)
-    start_laws(trees)
-    breaks = write_laws(trees, h, ALL)
-    for turn in range(MOST_TURNS if breaks > 0 else 1):
+    times = held.start_contacts(trees, touching, h, substep)
+    bounded.start_laws(trees)
+    breaks = bounded.write_laws(trees, h, bounded.ALL)
+    for turn in range(bounded.MOST_TURNS if breaks > 0 else 1):
         if turn > 0:
-            if are_settled(trees, h):
+            if bounded.are_settled(trees, h):
                 break
-            start_again(trees, h, reactions)
-        if not settle_laws(trees, h, ALL, breaks) or not settle_contacts(trees, touching, breaks, times, reactions):
+            bounded.start_again(trees, h, reactions)
+        settled = bounded.settle_laws(trees, h, bounded.ALL, breaks)
+        if not settled or not held.settle_contacts(trees, touching, breaks, times, reactions):
             return False
         take_changes(trees, h, reactions)
         if breaks == 0:
-            answer_given(trees, touching, h, reactions)
+            held.answer_given(trees, touching, h, reactions)
         if touching is not None and turn == 0 and stands(trees, h):
             bend_links(trees, h)
         else:
             close_bends(trees, h, reactions)
     drift_coordinates(trees, h)
     carry_bases(trees, h)
-    move_others(trees, touching, h, drifts=True)
-    relax(trees, touching, times, reactions)
+    held.move_others(trees, touching, h, drifts=True)
+    held.relax(trees, touching, times, reactions)
     keep_momenta(trees)
     return True

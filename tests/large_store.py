@@ -212,10 +212,10 @@ def print_readable(page: Path) -> None:
 
 def print_report(folder: Path, count: int) -> Path:
     """Make the report of a folder, and print what that took and the sizes of its pages; returns its front page."""
-    from plumbline.reports import build
+    from plumbline.reports.html.report import write_report
 
     before, wall = time.process_time(), time.perf_counter()
-    index = build(folder).index
+    index = write_report(folder).index
     spent, wall = time.process_time() - before, time.perf_counter() - wall
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
     print(f"{count} trials: report in {spent:.1f} CPU s, {wall:.1f} s; peak {peak:.0f} MB")

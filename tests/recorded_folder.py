@@ -28,7 +28,7 @@ from plumbline.harness.store.journal import Journal
 from plumbline.harness.store.record import Measurement, Record
 from plumbline.harness.store.store import write_json
 from plumbline.harness.trajectory import Trajectory
-from plumbline.reports import write_recordings
+from plumbline.reports.recordings import write_recordings
 
 __all__ = ["CORNERS", "FACES", "QUARTER", "LAW", "TIMES", "placed", "zoo", "rising", "record", "Folder", "Read"]
 

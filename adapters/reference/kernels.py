@@ -28,7 +28,7 @@ def is_stored(entry: str) -> bool:
 
     module, _, name = entry.rpartition(".")
     path = Path(engine.__file__).parent.joinpath(*module.split(".")).with_suffix(".py")
-    return any(cache_directory(path).rglob(f"{path.stem}.{name}-*.nbi"))
+    return any(cache_directory(path).rglob(f"{path.stem}.{name}-*.nbc"))
 
 
 def group(family: str, entries: tuple[str, ...], compile: Callable[[], None], first: bool = False) -> KernelGroup:  # noqa: A002

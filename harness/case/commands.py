@@ -90,7 +90,5 @@ def acting(scene: Scene, control: Control | None = None) -> Control | None:
     if control.interval > 0.0:
         raise ValueError("control: it is held for an interval, and the scene moves at every step; expected no interval")
     return Control(
-        wrench=efforts or control.wrench,
-        targets=targets or control.targets,
-        velocities=velocities or control.velocities,
+        wrench=efforts or control.wrench, targets=targets or control.targets, velocities=velocities or control.velocities
     )

@@ -71,9 +71,9 @@ def write_changes(changes: "Changes", store: "Store", out: Path, gated: tuple[st
     """What changed, for build servers and other trackers, and as a page. Returns: the page. Raises: OSError."""
     from plumbline.harness.findings.changes.files import changes_files
     from plumbline.harness.store.disk import make_folder, write_atomically
-    from plumbline.reports import changes_page
+    from plumbline.reports.standalone.what_changed import write_what_changed
 
     make_folder(out)
     for name, content in changes_files(changes, store, gated, least).items():
         write_atomically(out / name, content)
-    return changes_page(changes, out, gated)
+    return write_what_changed(changes, out, gated)

@@ -102,7 +102,7 @@ def trends(address: str, as_json: bool) -> None:
     """What got worse over the nights of DIR, first bad night first, and a page of every series."""
     from plumbline.harness.history.regressions import read_trends
     from plumbline.harness.history.remote_storage import at_hand
-    from plumbline.reports import trends_page
+    from plumbline.reports.standalone.trends import write_trends
 
     kept = at_hand(address)
     read = read_trends(kept)
@@ -113,7 +113,7 @@ def trends(address: str, as_json: bool) -> None:
     for error in read.unread:
         say(f"left out: {error}", err=True)
     try:
-        written = trends_page(read, kept.root / "report")
+        written = write_trends(read, kept.root / "report")
         say(str(written.index), err=as_json)
         fail_for(written.sentences())
     except OSError as error:

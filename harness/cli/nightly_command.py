@@ -192,7 +192,8 @@ def _logged(path: Path) -> Iterator[None]:
 
 def _present(done: "Steering", news: "News | None") -> list[str]:
     """Recordings of what is kept, and the report. Returns: a line for each page that could not be made."""
-    from plumbline.reports import build, write_recordings
+    from plumbline.reports.html.report import write_report
+    from plumbline.reports.recordings import write_recordings
 
     trials = done.store.trials
     fresh = trials[(trials["recalled"] == "") & trials["trajectory_kept"] & trials["trajectory_hash"].notna()]
@@ -201,7 +202,7 @@ def _present(done: "Steering", news: "News | None") -> list[str]:
         fresh = fresh[fresh["trial"].isin(changed)]
     if done.request.keep != "none" and done.request.study.recordings:
         write_recordings(done.night.folder, sorted(set(fresh["case"])))
-    return build(done.night.folder).sentences()
+    return write_report(done.night.folder).sentences()
 
 
 def _write_summary(

@@ -216,15 +216,15 @@ def _keep(
     """Where --out asks for it, the record of the comparison and its page."""
     if options["out"] is None:
         return
-    from plumbline import reports
     from plumbline.harness.store import imported_scenes
+    from plumbline.reports.standalone.parity import write_page
 
     record: ParityRecord = imported_scenes.ParityRecord(
         file=file.name, joints=len(a.joints), root=root, tolerance=options["tolerance"], seed=options["seed"], sides=sides,
         parting=parting,
     )  # fmt: skip
     imported_scenes.write(options["out"], record)
-    say(f"page: {reports.parity_page(options['out'])}", err=True)
+    say(f"page: {write_page(options['out'])}", err=True)
 
 
 _COLUMNS = ("quantity", "of", "A", "B", "unit", "differs by", "relative", "consequence")

@@ -136,12 +136,13 @@ def report(folder: Path, show_it: bool, pdf: bool) -> None:
 
     Exit code 1 if a page could not be made: it is named, here and on the first page, and the others are written.
     """
-    from plumbline.reports import build, print_report
+    from plumbline.reports.html.report import write_report
+    from plumbline.reports.paper.printing import print_report
 
     history = (folder / "history.json").is_file()
     if history and pdf:
         raise click.UsageError("--pdf is for run folders; the page of a history's trends is printed by any browser")
-    written = _trends(folder) if history else build(opened(folder).folder)
+    written = _trends(folder) if history else write_report(opened(folder).folder)
     say(str(written.index))
     if pdf:
         say(str(print_report(folder)))
@@ -153,9 +154,9 @@ def report(folder: Path, show_it: bool, pdf: bool) -> None:
 def _trends(folder: Path) -> "WrittenReport":
     from plumbline.harness.history.folder import opened as opened_history
     from plumbline.harness.history.regressions import read_trends
-    from plumbline.reports import trends_page
+    from plumbline.reports.standalone.trends import write_trends
 
-    return trends_page(read_trends(opened_history(folder)), folder / "report")
+    return write_trends(read_trends(opened_history(folder)), folder / "report")
 
 
 @click.command()
@@ -163,7 +164,8 @@ def _trends(folder: Path) -> "WrittenReport":
 @click.argument("case")
 def view(folder: Path, case: str) -> None:
     """Open the recording of CASE in the rerun viewer."""
-    from plumbline.reports import open_viewer, recording_of
+    from plumbline.reports.recordings import recording_of
+    from plumbline.reports.recordings.viewer import open_viewer
 
     path = recording_of(folder, case)
     say(f"opening {path}", err=True)
@@ -175,7 +177,7 @@ def view(folder: Path, case: str) -> None:
 @click.option("--port", type=click.IntRange(0, 65535), default=8800, show_default=True, help="0 takes any free port.")
 def serve(folder: Path, port: int) -> None:
     """Serve the report and the web viewer of DIR on loopback until interrupted."""
-    from plumbline.reports import serve as serve_reports
+    from plumbline.reports.server import serve as serve_reports
 
     serve_reports(opened(folder).folder, port, announce=say)
 

@@ -9,6 +9,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from plumbline.harness.findings.once import once
+from plumbline.harness.findings.spoken import SPOKEN
 
 if TYPE_CHECKING:
     from plumbline.harness.store.store import Store
@@ -32,56 +33,8 @@ class Quantity(NamedTuple):
 
 
 WORDS: Mapping[str, Counted | Quantity] = {
-    "stack_pile.n": Counted("ball", "balls"),
-    "stack_tower.n": Counted("box", "boxes"),
-    "stack_ten_minutes.n": Counted("box", "boxes"),
-    "rest_jitter.n": Counted("box", "boxes"),
-    "stack_overhang.n": Counted("brick", "bricks"),
-    "stack_stirred.n": Counted("body", "bodies"),
-    "stack_bowl.n": Counted("loose body", "loose bodies"),
-    "joint_chain.n": Counted("link", "links"),
-    "stand_quadruped.n": Counted("quadruped", "quadrupeds"),
-    "system_scaling.n": Counted("body", "bodies"),
-    "system_determinism.n": Counted("body", "bodies"),
-    "system_level_of_detail.n": Counted("cam", "cams"),
-    "balls": Counted("ball", "balls"),
-    "blocks": Counted("block", "blocks"),
-    "channels": Counted("channel", "channels"),
-    "columns": Counted("column", "columns"),
-    "facets": Counted("facet", "facets"),
-    "members": Counted("pendulum", "pendulums"),
-    "phases": Counted("shot", "shots"),
-    "rays": Counted("ray", "rays"),
-    "rows": Counted("row", "rows"),
-    "starts": Counted("start", "starts"),
-    "workers": Counted("process", "processes"),
-    "worlds": Counted("world", "worlds"),
-    STEP: Quantity("time step", "s"),
-    "amplitude": Quantity("amplitude", "deg"),
-    "angle": Quantity("angle", "deg"),
-    "damping": Quantity("damping", "N m s/rad"),
-    "drop": Quantity("height of the drop", "m"),
-    "friction": Quantity("coefficient of friction", "1"),
-    "margin": Quantity("margin of friction", "1"),
-    "nearest": Quantity("tilt at the start", "rad"),
-    "origin": Quantity("distance from the origin", "m"),
-    "overlap": Quantity("overlap, of an edge", "1"),
-    "push": Quantity("push, of the weight", "1"),
-    "joint_spring.rate": Quantity("natural frequency", "rad/s"),
-    "rate": Quantity("angular rate", "rad/s"),
-    "ratio": Quantity("mass ratio", "1"),
-    "scale": Quantity("scale of lengths", "1"),
-    "speed": Quantity("speed", "m/s"),
-    "spin": Quantity("spin", "rad/s"),
-    "spin_fast.speed": Quantity("spin", "rad/s"),
-    "stand_humanoid.stiffness": Quantity("stiffness of the drives, of the described", "1"),
-    "stiffness": Quantity("stiffness", "N m/rad"),
-    "friction_static_kinetic.stiffness": Quantity("stiffness", "N/m"),
-    "stack_arch.thickness": Quantity("thickness, of the radius", "1"),
-    "thickness": Quantity("wall thickness", "m"),
-    "thin": Quantity("thinning of the rays", "1"),
-    "tunnel_thin_mesh.slide": Quantity("speed along the ground", "m/s"),
-    "tunnel_thin_mesh.thickness": Quantity("thickness of the ground", "m"),
+    **{name: Counted(*words) for name, words in SPOKEN["counted"].items()},
+    **{name: Quantity(*words) for name, words in SPOKEN["measured"].items()},
 }
 """By the parameter, or by case and parameter where cases mean different things by it."""
 PHRASED: Mapping[str, str] = {"thin": "one ray in {}"}
@@ -161,21 +114,9 @@ def _words(value: Any) -> str:
     return value.replace("_", " ") if isinstance(value, str) else str(value)
 
 
-_NAMES = {
-    "euler": "Euler",
-    "semi_implicit_euler": "semi-implicit Euler",
-    "explicit_euler": "explicit Euler",
-    "velocity_verlet": "velocity Verlet",
-    "rk4": "Runge-Kutta of order 4",
-    "splitting_4": "splitting of order 4",
-    "splitting_8": "splitting of order 8",
-    "dormand_prince": "Dormand-Prince",
-}
-
-
 def integrator_called(name: str) -> str:
     """'semi-implicit Euler' for 'semi_implicit_euler'; one that has no other name goes by its own."""
-    return _NAMES.get(name) or name.replace("_", " ")
+    return SPOKEN["integrators"].get(name) or name.replace("_", " ")
 
 
 @lru_cache(maxsize=4096)

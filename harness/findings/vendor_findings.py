@@ -18,6 +18,7 @@ from typing import Any, Literal, get_args
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
+from plumbline.harness.findings.spoken import SPOKEN
 from plumbline.harness.intake.bounded import bounded
 
 FindingKind = Literal["bug", "trap", "limit"]
@@ -111,11 +112,7 @@ def read_finding(path: Path) -> Finding:
         raise FindingError(f"{path}: tool.finding.engine: '{table.engine}', in the folder of '{path.parent.name}'")
     fields: dict[str, Any] = {name: tuple(value) if isinstance(value, list) else value for name, value in table}
     return Finding(
-        name=f"{table.engine}/{path.stem}",
-        requires=tuple(head.get("dependencies", ())),
-        script=path,
-        text=text,
-        **fields,
+        name=f"{table.engine}/{path.stem}", requires=tuple(head.get("dependencies", ())), script=path, text=text, **fields
     )
 
 
@@ -237,13 +234,6 @@ def ask_all(findings: Sequence[Finding], python: str = sys.executable) -> Iterat
         yield replace(ask(finding, python), mended=ask_mended(finding, python))
 
 
-_ASKED = {
-    "bug": "Expected is what the documentation, or the format, says:",
-    "trap": "This follows from what is documented; it is reported since it is easily missed. Documented is:",
-    "limit": "This comes with the method; it is reported since its size may surprise. Documented is:",
-}
-
-
 def issue_text(standing: ScriptAnswer) -> str:
     """Title, versions, figure, the law that is expected, what is documented, the whole script, and what helps today."""
     finding = standing.finding
@@ -265,7 +255,7 @@ def issue_text(standing: ScriptAnswer) -> str:
 
 **Expected**: {ast.get_docstring(ast.parse(finding.text))}
 
-{_ASKED[finding.kind]} {finding.documented}
+{SPOKEN["asked"][finding.kind]} {finding.documented}
 
 {sources}
 

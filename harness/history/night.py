@@ -74,13 +74,7 @@ def carry_out_night(history: History, request: NightWish, night: Night) -> Steer
         steering.save()
     with until(lambda: steering.budget.end):
         carry_out(
-            request.study,
-            night.folder,
-            request.cases,
-            request.adapters,
-            workers=request.workers,
-            resume=True,
-            guide=steering,
+            request.study, night.folder, request.cases, request.adapters, workers=request.workers, resume=True, guide=steering
         )
     steering.close()
     _without_idle_logs(night, set(steering.store.trials["trial"]))

@@ -5,14 +5,7 @@ Nothing in it is chaotic: a difference of a rounding grows with time, and at mos
 
 import math
 
-from plumbline.harness.scene import (
-    Body,
-    Box,
-    Revolute,
-    Scene,
-    Surface,
-    principal_inertia,
-)
+from plumbline.harness.scene import Body, Box, Revolute, Scene, Surface, principal_inertia
 
 FRICTION, MASS = 0.4, 1.0
 HALF, RADIUS, LENGTH = (0.1, 0.1, 0.05), 0.1, 0.5

@@ -19,6 +19,8 @@ from plumbline.harness.intake.typed_fields import FieldError, filled
 from plumbline.harness.scene.scene import Scene, SceneError
 
 _ADAPTER: TypeAdapter[Scene] = TypeAdapter(Scene)
+TEMPLATE = Path(__file__).with_name("template.toml")
+"""A scene file to begin with: a pendulum above a ball on the ground, with what else can be said in comments."""
 
 
 @contextmanager

@@ -48,6 +48,5 @@ Vector3 = Annotated[tuple[float, float, float], BeforeValidator(_as_tuple)]
 Axis = Annotated[tuple[float, float, float], BeforeValidator(_as_tuple), AfterValidator(_direction)]
 Quaternion = Annotated[tuple[float, float, float, float], BeforeValidator(_as_tuple), AfterValidator(_unit)]
 Matrix3 = Annotated[
-    tuple[tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]],
-    BeforeValidator(_as_tuple),
+    tuple[tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]], BeforeValidator(_as_tuple)
 ]

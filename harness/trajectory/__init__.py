@@ -2,13 +2,4 @@
 
 from plumbline.harness.trajectory.trajectory import UNSHARED, Contacts, Floats, Hits, Image, Integers, State, Trajectory
 
-__all__ = [
-    "UNSHARED",
-    "Contacts",
-    "Floats",
-    "Hits",
-    "Image",
-    "Integers",
-    "State",
-    "Trajectory",
-]
+__all__ = ["UNSHARED", "Contacts", "Floats", "Hits", "Image", "Integers", "State", "Trajectory"]

@@ -4,7 +4,7 @@ The charts of noise against its law: Allan deviation, range errors, and depth er
 """
 
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from operator import attrgetter
 from typing import Any
 
@@ -12,19 +12,15 @@ from plumbline.harness.findings.sensor_readings.findings import SensorFinding
 from plumbline.harness.metric.titles import metric_title
 from plumbline.harness.store.rows import grouped
 from plumbline.harness.store.store import Store
-from plumbline.reports.charts.figure import Figure
+from plumbline.reports.charts.figure import Figure, tabled
 from plumbline.reports.charts.grammar import Row, channel, chart, fixed, hovering
 from plumbline.reports.charts.marks import POINT, Marks, decades, finished, logarithmic
+from plumbline.reports.words.called import WORDS
 from plumbline.reports.words.catalogue import labels, titled
 from plumbline.reports.words.status import outcome
-from plumbline.reports.words.text import amount, slug, unit_text, visible
+from plumbline.reports.words.text import slug, unit_text, visible
 
-UNITS: Mapping[str, str] = {
-    "m": "Ranges and depths",
-    "m/s2": "Accelerations",
-    "rad/s": "Turning rates",
-    "1": "Intensity of light",
-}
+UNITS = WORDS["signals"]
 """Titles of the charts by unit, in the order of the page."""
 
 
@@ -94,7 +90,7 @@ def _errors(store: Store, rows: Sequence[Row], unit: str, title: str) -> Figure:
         "reason:N",
         "trial:N",
     )
-    channels = style.channels() | {"tooltip": tooltips}
+    channels = style.channels(tooltips)
     layers = []
     if bounds:
         grey: Row = {"color": "#8a93a0", "thickness": 2.5, "orient": "vertical", "size": 34}
@@ -110,12 +106,9 @@ def _errors(store: Store, rows: Sequence[Row], unit: str, title: str) -> Figure:
         "vendor's defaults. The grey stroke is the bound, derived in the case. Exact "
         "answers stand on the left edge, what is no number on the right one."
     )
-    columns = ("signal", "engine", "setting", f"error{beside_number}", "bound", "check", "trial")
-    cells = [
-        [r["signal"], r["engine"], r["track"], amount(r["error"]), amount(r["bound"]), r["verdict"], r["trial"]] for r in rows
-    ]
+    columns = ("signal", "engine", "setting=track", f"error{beside_number}=error", "bound", "check=verdict", "trial")
     name = f"ideal-{slug(unit.replace('/', '-per-'))}" if unit != "1" else "ideal-light"
-    return Figure(name, title, caption, finished(layers, height=40 + 44 * len(signals)), columns, cells, how)
+    return Figure(name, title, caption, finished(layers, height=40 + 44 * len(signals)), *tabled(rows, *columns), how)
 
 
 def rays_chart(store: Store, findings: Sequence[SensorFinding]) -> Figure | None:
@@ -148,23 +141,15 @@ def rays_chart(store: Store, findings: Sequence[SensorFinding]) -> Figure | None
     x = logarithmic("rate", "rays a CPU second", decades(row["rate"] for row in rows))
     y = channel("label:N", title=None, scale={"domain": labelled}, axis=LINES)
     tooltips = hovering("scene:N", ("kind:N", "rays"), "engine:N", "track:N", ("rate:Q", "a CPU second", ".3~s"), "trial:N")
-    layer = chart(rows).marked("point", **POINT).encode(x=x, y=y, **(style.channels() | {"tooltip": tooltips}))
+    layer = chart(rows).marked("point", **POINT).encode(x=x, y=y, **style.channels(tooltips))
     caption = "Beams of range finders and pixels of cameras, on one thread. Farther right is cheaper."
     how = (
         "Bare rays are cast and no more; what is read has been stepped for, cast, made into ranges, depths and intensities, "
         "and had its noise laid over."
     )
-    columns = ("scene", "rays", "engine", "setting", "a CPU second", "trial")
-    cells = [[r["scene"], r["kind"], r["engine"], r["track"], amount(r["rate"]), r["trial"]] for r in rows]
-    return Figure(
-        "sensor-rays",
-        "What a second of CPU time sees",
-        caption,
-        finished([layer], height=40 + 34 * len(labelled)),
-        columns,
-        cells,
-        how,
-    )
+    spec = finished([layer], height=40 + 34 * len(labelled))
+    table = tabled(rows, "scene", "rays=kind", "engine", "setting=track", "a CPU second=rate", "trial")
+    return Figure("sensor-rays", "What a second of CPU time sees", caption, spec, *table, how)
 
 
 LAW = "#8a93a0"
@@ -222,8 +207,7 @@ def _layers(
     if joined:
         line = chart(rows).marked("line", strokeWidth=1.2)
         layers.append(line.encode(x=x, y=y("value"), detail="series:N", color=style.colour(), strokeDash=style.dash()))
-    channels = style.channels() | {"tooltip": list(tooltips)}
-    layers.append(chart(rows).marked("point", **POINT | {"size": 42}).encode(x=x, y=y("value"), **channels))
+    layers.append(chart(rows).marked("point", **POINT | {"size": 42}).encode(x=x, y=y("value"), **style.channels(tooltips)))
     return layers
 
 
@@ -249,9 +233,9 @@ def _allan(store: Store, group: Sequence[SensorFinding]) -> Figure:
         "one another where an engine adds nothing of its own."
     )
     spec = finished(_layers(store, rows, law, x, y, tooltips, joined=True), height=280)
-    columns = ("engine", "setting", "averaging time [s]", f"found [{unit_text(first.unit)}]", "by law", "trial")
-    cells = [[r["engine"], r["track"], amount(r["tau"]), amount(r["value"]), amount(r["law"]), r["trial"]] for r in rows]
-    return Figure(_name("allan", first), f"{named(store, first)}, Allan deviation", caption, spec, columns, cells, how)
+    found = f"found [{unit_text(first.unit)}]=value"
+    table = tabled(rows, "engine", "setting=track", "averaging time [s]=tau", found, "by law=law", "trial")
+    return Figure(_name("allan", first), f"{named(store, first)}, Allan deviation", caption, spec, *table, how)
 
 
 def _histogram(store: Store, group: Sequence[SensorFinding]) -> Figure:
@@ -266,12 +250,9 @@ def _histogram(store: Store, group: Sequence[SensorFinding]) -> Figure:
     caption = "Errors of all returned ranges, each over the standard deviation that the law gives it."
     how = f"The law is {first.noise.law}. Grey: the normal law, with the band in which 19 of 20 bins lie."
     spec = finished(_layers(store, rows, law, x, y, tooltips), height=260)
-    columns = ("engine", "setting", "error, in sigmas", "density", "normal law", "returns", "beyond 4 sigmas", "trial")
-    cells = [
-        [r["engine"], r["track"], amount(r["at"]), amount(r["value"]), amount(r["law"]), r["count"], r["beyond"], r["trial"]]
-        for r in rows
-    ]
-    return Figure(_name("ranges", first), f"{named(store, first)}, errors", caption, spec, columns, cells, how)
+    numbers = ("error, in sigmas=at", "density=value", "normal law=law", "returns=count", "beyond 4 sigmas=beyond")
+    table = tabled(rows, "engine", "setting=track", *numbers, "trial")
+    return Figure(_name("ranges", first), f"{named(store, first)}, errors", caption, spec, *table, how)
 
 
 def _depth(store: Store, group: Sequence[SensorFinding]) -> Figure:
@@ -290,7 +271,6 @@ def _depth(store: Store, group: Sequence[SensorFinding]) -> Figure:
     caption = "Standard deviation of the error of valid pixels against its law, in grey."
     how = f"In stretches of depth of equally many pixels; the law is {first.noise.law}."
     spec = finished(_layers(store, rows, law, x, y, tooltips), height=280)
-    columns = ("engine", "setting", "depth [m]", "spread [m]", "95 % from", "to", "by law", "trial")
-    keys = ("depth", "value", "least", "most", "law")
-    cells = [[r["engine"], r["track"], *(amount(r[key]) for key in keys), r["trial"]] for r in rows]
-    return Figure(_name("depths", first), f"{named(store, first)}, spread over depth", caption, spec, columns, cells, how)
+    numbers = ("depth [m]=depth", "spread [m]=value", "95 % from=least", "to=most", "by law=law")
+    table = tabled(rows, "engine", "setting=track", *numbers, "trial")
+    return Figure(_name("depths", first), f"{named(store, first)}, spread over depth", caption, spec, *table, how)

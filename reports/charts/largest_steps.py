@@ -7,7 +7,7 @@ from operator import attrgetter
 from plumbline.harness.findings.tables.steps import StepRange
 from plumbline.harness.store.rows import grouped
 from plumbline.harness.store.store import Store
-from plumbline.reports.charts.figure import Figure
+from plumbline.reports.charts.figure import Figure, tabled
 from plumbline.reports.charts.grammar import Row, channel, chart, hovering
 from plumbline.reports.charts.marks import POINT, SHARES, TRACKS, Marks, decades, finished, logarithmic
 from plumbline.reports.words.catalogue import engines, labels, titled
@@ -75,11 +75,10 @@ def steps_chart(store: Store, steps: Sequence[StepRange]) -> Figure | None:
     y = channel("share:Q", title="share of the scenes within 1 %", scale=scale, axis=SHARES)
     tooltips = hovering("engine:N", "track:N", ("dt:Q", "time step [ms]", ".3~g"))
     tooltips += hovering(("share:Q", "", ".1%"), ("run:Q", "scenes left"))
-    channels = style.channels() | {"tooltip": tooltips}
     line = chart(rows).marked("line", strokeWidth=1.6, interpolate="step-before")
     layers = [
         line.encode(x=x, y=y, detail="series:N", color=style.colour(), strokeDash=style.dash()),
-        chart(rows).marked("point", **POINT | {"size": 45}).encode(x=x, y=y, **channels),
+        chart(rows).marked("point", **POINT | {"size": 45}).encode(x=x, y=y, **style.channels(tooltips)),
     ]
     caption = "Higher and farther right is better: an engine that may take larger steps."
     how = (
@@ -89,6 +88,6 @@ def steps_chart(store: Store, steps: Sequence[StepRange]) -> Figure | None:
         "dashes and open ones the vendor's defaults."
     )
     spec = finished(layers, height=320)
-    columns = ("engine", "track", "time step [ms]", "share", "scenes left")
-    cells = [[r["engine"], r["track"], amount(r["dt"]), f"{amount(100 * r['share'])} %", r["run"]] for r in rows]
-    return Figure("largest-steps", "Share of scenes within 1 % against time step", caption, spec, columns, cells, how)
+    share = ("share", lambda row: f"{amount(100 * row['share'])} %")
+    table = tabled(rows, "engine", "track", "time step [ms]=dt", share, "scenes left=run")
+    return Figure("largest-steps", "Share of scenes within 1 % against time step", caption, spec, *table, how)

@@ -13,7 +13,7 @@ from plumbline.reports.tables.limit_table import VERDICTS, mapped, signs
 from plumbline.reports.words.catalogue import cases, labels
 from plumbline.reports.words.text import amount, slug
 
-ENDS = (("held", "held"), ("broke", "broke"), ("by", "signs"), ("verdict", "verdict"))
+ENDS = ("held", "broke", "by=signs", "verdict")
 """Of the table below a map: its last columns."""
 
 
@@ -71,7 +71,6 @@ def _map(store: Store, name: str, group: Sequence[Search]) -> list[Figure]:
             ("signs:N", "broke by"),
             "verdict:N",
         )
-        channels = style.channels() | {"tooltip": shown}
         layers = [
             chart(rows)
             .marked("line", strokeWidth=1.6)
@@ -79,7 +78,7 @@ def _map(store: Store, name: str, group: Sequence[Search]) -> list[Figure]:
             chart([row for row in rows if row["mark"] == "limit"])
             .marked("rule", strokeWidth=3, opacity=0.35)
             .encode(x=x, y=y, y2="broke:Q", color=style.colour()),
-            chart(rows).marked("point", **POINT | {"size": 60}).encode(x=x, y=y, **channels),
+            chart(rows).marked("point", **POINT | {"size": 60}).encode(x=x, y=y, **style.channels(shown)),
         ]
         title = cases(store)[first.case]["title"] + (f", {other}" if other else "")
         figures.append(
@@ -88,7 +87,7 @@ def _map(store: Store, name: str, group: Sequence[Search]) -> list[Figure]:
                 title,
                 f"The hardest {title_y} that every start held.",
                 finished(layers, height=190),
-                *tabled(rows, ("engine", "engine"), ("setting", "track"), (title_x, lambda row: amount(row["beside"])), *ENDS),
+                *tabled(rows, "engine", "setting=track", (title_x, lambda row: amount(row["beside"])), *ENDS),
                 f"Bars span to the first that not all held. At {amount(first.easy)} nothing harder than the start of the axis "
                 f"held, at {amount(first.extreme)} its end.",
             )

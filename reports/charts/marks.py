@@ -15,6 +15,7 @@ from typing import Any
 
 from plumbline.harness.store.store import Store
 from plumbline.reports.charts.grammar import Channel, Row, channel, chart, fixed, layered
+from plumbline.reports.words.called import WORDS
 from plumbline.reports.words.catalogue import labels
 from plumbline.reports.words.text import amount
 
@@ -79,22 +80,8 @@ LANE = 15
 SHARES: Row = {"labelExpr": "round(100 * datum.value) + ' %'"}
 """The axis of a share, in per cent."""
 NUMBERS = ("dt", "error", "pace", "cpu", "low", "high")
-HOVER = {
-    "engine": "engine",
-    "track": "track",
-    "status": "outcome",
-    "reason": "reason",
-    "case": "case",
-    "dt": "time step [ms]",
-    "step": "time step",
-    "error": "error",
-    "pace": "times real time",
-    "cpu": "CPU time per simulated second [s]",
-    "low": "95 % from [s]",
-    "high": "to [s]",
-    "settings": "settings",
-    "trial": "trial",
-}
+HOVER = WORDS["hovering"]
+"""What hovering shows of a trial, by field."""
 
 
 class Marks:
@@ -133,15 +120,15 @@ class Marks:
         """Open for the defaults, half filled for what is neither of the two tracks where 'tuned' is drawn too."""
         return OPEN if track == "default" else HALF if track != "tuned" and "tuned" in self.tracks else 1
 
-    def channels(self) -> Row:
-        """All channels of a point."""
+    def channels(self, tooltip: Sequence[Channel] = ()) -> Row:
+        """All channels of a point. Args: tooltip: what hovering shows, if not what it shows of a trial."""
         filled = [self._filling(track) for track in self.tracks]
         return {
             "color": self.colour(),
             "stroke": self.colour(),
             "shape": channel("engine:N", title=None, scale={"domain": self.engines, "range": self.paths}),
             "fillOpacity": channel("track:O", title=None, scale={"type": "ordinal", "domain": self.tracks, "range": filled}),
-            "tooltip": self.tooltip(),
+            "tooltip": list(tooltip) or self.tooltip(),
         }
 
 

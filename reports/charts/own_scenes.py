@@ -10,11 +10,11 @@ from plumbline.harness.findings.agreement.found import ways
 from plumbline.harness.findings.agreement.values import Agreement
 from plumbline.harness.store.rows import grouped
 from plumbline.harness.store.store import Store
-from plumbline.reports.charts.figure import Figure, thin
+from plumbline.reports.charts.figure import Figure, tabled, thin
 from plumbline.reports.charts.grammar import Row, channel, chart, hovering
-from plumbline.reports.charts.marks import Marks, decades, finished, logarithmic
+from plumbline.reports.charts.marks import POINT, Marks, decades, finished, logarithmic
 from plumbline.reports.words.catalogue import labels, titles
-from plumbline.reports.words.text import amount, slug, visible
+from plumbline.reports.words.text import slug, visible
 
 LEAST = 1e-12
 """Shares of the size below this are not drawn: rounding, of which there may be no logarithm."""
@@ -96,9 +96,8 @@ def _over_time(
         .encode(x=x, y=y, detail="series:N", color=style.colour(), strokeDash=style.dash(), tooltip=tooltips)
     )
     marked = [curve[k] for curve in series.values() for k in sorted({len(curve) // 3, 2 * len(curve) // 3, len(curve) - 1})]
-    channels = style.channels() | {"tooltip": tooltips}
-    layers.append(chart(marked).marked("point", filled=True, size=55, strokeWidth=1.6, opacity=1).encode(x=x, y=y, **channels))
-    cells = [[row["engine"], row["track"], amount(row["time"]), amount(row["share"])] for row in marked]
+    look = POINT | {"size": 55}
+    layers.append(chart(marked).marked("point", **look).encode(x=x, y=y, **style.channels(tooltips)))
     caption, how = words
-    columns = ("engine", "track", TIME, "share of the size")
-    return Figure(name, title, caption, finished(layers, height=320), columns, cells, how)
+    table = tabled(marked, "engine", "track", f"{TIME}=time", "share of the size=share")
+    return Figure(name, title, caption, finished(layers, height=320), *table, how)

@@ -71,13 +71,13 @@ def profile_chart(store: Store, shares: Sequence[Share], limit: str) -> Figure |
     )
     table = tabled(
         rows,
-        ("engine", "engine"),
-        (AXES[limit], "within"),
+        "engine",
+        f"{AXES[limit]}=within",
         ("share", lambda row: f"{amount(100 * row['share'])} %"),
         ("least", lambda row: f"{amount(100 * row['low'])} %"),
-        ("without", "without_low"),
+        "without=without_low",
         ("most", lambda row: f"{amount(100 * row['high'])} %"),
-        ("without", "without_high"),
+        "without=without_high",
     )
     title = "Share of cases solved within N times of the fastest" if factor else "Share of cases solved within a CPU time"
     spec = finished(layers, height=300)

@@ -12,22 +12,14 @@ from plumbline.harness.findings.tables.scaling import TELLING, Cost, Scaling, Sw
 from plumbline.harness.findings.tables.throughput import Throughput, bests
 from plumbline.harness.store.rows import grouped
 from plumbline.harness.store.store import Store
-from plumbline.reports.charts.figure import Figure
+from plumbline.reports.charts.figure import Figure, tabled
 from plumbline.reports.charts.grammar import Row, channel, chart, fixed, hovering
 from plumbline.reports.charts.marks import POINT, Marks, at_values, decades, finished, logarithmic, short
+from plumbline.reports.words.called import WORDS
 from plumbline.reports.words.catalogue import labels, setting_words, titled
-from plumbline.reports.words.text import amount, visible
+from plumbline.reports.words.text import visible
 
-UNITS = {
-    "step": "step",
-    "ray": "ray",
-    "world-step": "step of one world",
-    "cast": "cast of all rays",
-    "batch-step": "step of all worlds",
-    "read-step": "step whose state is read",
-    "call": "call that takes no step",
-    "sensing": "interval of all sensors",
-}
+UNITS = WORDS["units"]
 LANE = 15
 """Height of a line of text in a chart [px]."""
 QUALITIES = 4
@@ -88,7 +80,7 @@ def growth_chart(store: Store, sweep: Sweep, index: int) -> Figure:
         if fit is not None and fit.telling:
             label = f"{short(labels(store)[engine])}: exponent {fit.fit.order:.2f}"
             slopes.append(drawn(store, mine[-1]) | {"label": visible(label), "lane": 14 + LANE * len(slopes)})
-    channels = style.channels() | {"tooltip": hover(("size", size))}
+    channels = style.channels(hover(("size", size)))
     layers = [
         chart(best).marked("line", strokeWidth=1.6).encode(x=x, y=y, detail="engine:N", color=style.colour()),
         chart(rows).marked("point", **POINT).encode(x=x, y=y, **channels),
@@ -107,12 +99,10 @@ def growth_chart(store: Store, sweep: Sweep, index: int) -> Figure:
         f"wider than {TELLING:g} is not stated: linear and quadratic growth are not told apart by it."
     )
     title = f"Price of a {unit}: {titled(store, sweep.case, sweep.where)}"
-    columns = (size, "engine", "setting", "CPU time [µs]", "95 % from", "to", "outcome", "trial")
-    cells = [
-        [f"{r['size']:g}", r["engine"], r["setting"], *(amount(r[k]) for k in ("cpu", "low", "high")), r["status"], r["trial"]]
-        for r in rows
-    ]
-    return Figure(f"growth-{index}", title, caption, finished(layers, height=340), columns, cells, how)
+    costs = ("CPU time [µs]=cpu", "95 % from=low", "to=high")
+    sized = (size, lambda row: f"{row['size']:g}")
+    table = tabled(rows, sized, "engine", "setting", *costs, "outcome=status", "trial")
+    return Figure(f"growth-{index}", title, caption, finished(layers, height=340), *table, how)
 
 
 def standings(store: Store, scaling: Scaling) -> Figure | None:
@@ -132,7 +122,7 @@ def standings(store: Store, scaling: Scaling) -> Figure | None:
     lines = f"{comma} < 0 ? datum.label : [slice(datum.label, 0, {comma}), slice(datum.label, {comma} + 2)]"
     axis = {"grid": True, "labelLimit": 150, "ticks": False, "labelExpr": lines}
     y = channel("scene:N", title=None, scale={"domain": scenes}, axis=axis)
-    channels = style.channels() | {"tooltip": hover(("times", "over the fastest"))}
+    channels = style.channels(hover(("times", "over the fastest")))
     low = channel("times_low:Q")
     layers = [
         chart(rows).marked("rule", strokeWidth=1.4).encode(x=low, x2="times_high:Q", y=y, color=style.colour()),
@@ -145,13 +135,10 @@ def standings(store: Store, scaling: Scaling) -> Figure | None:
         "Bars are 95 % intervals of the ratio within blocks. Penetration is not the same at these settings: "
         "the charts below and the table show what each price buys."
     )
-    columns = ("scene", "engine", "setting", "over the fastest", "95 % from", "to", "CPU time [µs]")
-    cells = [
-        [r["scene"], r["engine"], r["setting"], *(amount(r[k]) for k in ("times", "times_low", "times_high", "cpu"))]
-        for r in rows
-    ]
+    numbers = ("over the fastest=times", "95 % from=times_low", "to=times_high", "CPU time [µs]=cpu")
     spec = finished(layers, height=30 + 34 * len(scenes))
-    return Figure("standings", "Fastest settings, scene by scene", caption, spec, columns, cells, how)
+    table = tabled(rows, "scene", "engine", "setting", *numbers)
+    return Figure("standings", "Fastest settings, scene by scene", caption, spec, *table, how)
 
 
 def qualities(store: Store, scaling: Scaling) -> list[Figure]:
@@ -171,7 +158,7 @@ def quality_chart(store: Store, costs: Sequence[Cost], index: int) -> Figure:
     unit = UNITS.get(costs[0].unit, costs[0].unit)
     x = logarithmic("cpu", f"CPU time per {unit} [µs]", decades(row["cpu"] for row in rows))
     y = logarithmic("penetration", "penetration [µm]", decades(row["penetration"] for row in rows))
-    channels = style.channels() | {"tooltip": hover(("penetration", "penetration [µm]"), ("residual", "moves [µm/s]"))}
+    channels = style.channels(hover(("penetration", "penetration [µm]"), ("residual", "moves [µm/s]")))
     low = channel("low:Q", title=f"CPU time per {unit} [µs]")
     layers = [
         chart(rows).marked("rule", strokeWidth=1.4).encode(x=low, x2="high:Q", y=y, color=style.colour()),
@@ -180,12 +167,9 @@ def quality_chart(store: Store, costs: Sequence[Cost], index: int) -> Figure:
     caption = "The lower left corner is best: cheap, and no body stands in another."
     how = "Each point is one group of settings, open for the vendor's defaults; hovering names it, with what still moves."
     title = f"What the price buys: {rows[0]['scene']}"
-    columns = ("engine", "setting", "CPU time [µs]", "penetration [µm]", "residual motion [µm/s]", "outcome", "trial")
-    cells = [
-        [r["engine"], r["setting"], *(amount(r[k]) for k in ("cpu", "penetration", "residual")), r["status"], r["trial"]]
-        for r in rows
-    ]
-    return Figure(f"quality-{index}", title, caption, finished(layers, height=300), columns, cells, how)
+    numbers = ("CPU time [µs]=cpu", "penetration [µm]=penetration", "residual motion [µm/s]=residual")
+    table = tabled(rows, "engine", "setting", *numbers, "outcome=status", "trial")
+    return Figure(f"quality-{index}", title, caption, finished(layers, height=300), *table, how)
 
 
 LEAST = 1e-9
@@ -246,23 +230,20 @@ def _batching(scene: str, store: Store, clocked: Sequence[Throughput], number: i
         "color": style.colour(),
         "strokeDash": style.dash(),
     }
-    channels = style.channels() | {"tooltip": hovering(*_HOVER)}
+    channels = style.channels(hovering(*_HOVER))
     layers = [
         chart(rows).marked("line", strokeWidth=1.6).encode(x=x, y=y, **line),
         chart(rows).marked("point", **POINT).encode(x=x, y=y, **channels),
     ]
-    columns = ("engine", "setting", "worlds", "steps a second", "95 % from", "to", "outcome", "trial")
-    cells = [
-        [r["engine"], r["setting"], r["worlds"], *(amount(r[k]) for k in ("rate", "low", "high")), r["status"], r["trial"]]
-        for r in rows
-    ]
+    rates = ("steps a second=rate", "95 % from=low", "to=high")
+    table = tabled(rows, "engine", "setting", "worlds", *rates, "outcome=status", "trial")
     caption = "Up is faster; a line that rises is an engine that gains by stepping worlds together."
     how = (
         "One thread. Each point is one engine under one group of settings, open for the vendor's defaults. An engine without a "
         "batch of its own has its worlds stepped in turn, four steps each: its line stays level, or falls where worlds no "
         "longer fit the processor's caches."
     )
-    return Figure(f"batching-{number}", f"Steps a second: {scene}", caption, finished(layers, HEIGHT), columns, cells, how)
+    return Figure(f"batching-{number}", f"Steps a second: {scene}", caption, finished(layers, HEIGHT), *table, how)
 
 
 def _bought(scene: str, store: Store, best: Sequence[Throughput], number: int) -> Figure:
@@ -270,31 +251,17 @@ def _bought(scene: str, store: Store, best: Sequence[Throughput], number: int) -
     style = Marks(store, rows)
     x = logarithmic("pace", "simulated seconds of a world in a second of CPU time", decades(row["pace"] for row in rows))
     y = logarithmic("error", "error at the end [m]", decades(row["error"] for row in rows))
-    channels = style.channels() | {"tooltip": hovering(*_HOVER)}
+    channels = style.channels(hovering(*_HOVER))
     line = {"detail": channel("engine:N"), "color": style.colour(), "order": channel("pace:Q")}
     layers = [
         chart(rows).marked("line", strokeWidth=1.2, opacity=0.6).encode(x=x, y=y, **line),
         chart(rows).marked("point", **POINT).encode(x=x, y=y, **channels),
     ]
-    columns = ("engine", "setting", "time step [s]", "worlds", "times real time", "error [m]", "outcome", "trial")
-    cells = [
-        [
-            r["engine"],
-            r["setting"],
-            amount(r["dt"]),
-            r["worlds"],
-            amount(r["pace"]),
-            amount(r["error"]),
-            r["status"],
-            r["trial"],
-        ]
-        for r in rows
-    ]
+    numbers = ("time step [s]=dt", "worlds", "times real time=pace", "error [m]=error")
+    table = tabled(rows, "engine", "setting", *numbers, "outcome=status", "trial")
     caption = "The lower right corner is best: fast, and right at the end. One line an engine, through its settings and steps."
     how = (
         "Each setting stands at the number of worlds at which it is fastest. The error is the distance of the worst body from "
         "where it has to be at the end, of the same settings at the same step."
     )
-    return Figure(
-        f"bought-{number}", f"Error against throughput: {scene}", caption, finished(layers, HEIGHT), columns, cells, how
-    )
+    return Figure(f"bought-{number}", f"Error against throughput: {scene}", caption, finished(layers, HEIGHT), *table, how)

@@ -17,12 +17,11 @@ from numpy.typing import NDArray
 from plumbline.harness.findings.changes.values import Beside
 from plumbline.harness.history.readings import NightOf
 from plumbline.harness.history.regressions import Trends
-from plumbline.harness.history.series import Series
-from plumbline.harness.history.steps import PriceStep
+from plumbline.harness.history.steps import PriceStep, Series
 from plumbline.harness.statistics.change_points import Level, levelled, levels
 from plumbline.harness.store.rows import grouped
 from plumbline.harness.trajectory import Floats
-from plumbline.reports.charts.figure import Figure
+from plumbline.reports.charts.figure import Figure, tabled
 from plumbline.reports.charts.grammar import Row, channel, chart, hovering
 from plumbline.reports.charts.marks import POINT, EngineLook, finished
 from plumbline.reports.words.text import amount, plural, slug, visible
@@ -167,8 +166,7 @@ def index_chart(
             said = hovering(("what:N", kind), ("night:T", "", "%d %b %Y %H:%M"))
             line = chart(drawn).marked("rule", strokeDash=dashes, strokeWidth=1.4, color=NEUTRAL)
             layers.append(line.encode(x=x, tooltip=said))
-    columns = ("engine", "night", "version", "over the first level")
-    cells = [[row["engine"], row["night"], row["version"], amount(row["index"], 4)] for row in points]
+    table = tabled(points, "engine", "night", "version", ("over the first level", lambda row: amount(row["index"], 4)))
     beside = "over other engines of the same nights" if panels[0].beside == "other engines" else "over the canary"
     fence = " Grey band: the fence, three spreads of its own from each level." if len(panels) == 1 else ""
     caption = f"Each mark is a night: the geometric mean of {plural(panels[0].series, 'price')}, {beside}."
@@ -177,9 +175,8 @@ def index_chart(
         f"change of level; dashed: another version or machine, across which nothing is compared.{fence}"
     )
     spec = finished(layers, height=210 if len(panels) == 1 else 260)
-    return Figure(
-        slug(f"trend-{panels[0].case}-{'-'.join(panel.engine for panel in panels)}"), title, caption, spec, columns, cells, how
-    )
+    name = slug(f"trend-{panels[0].case}-{'-'.join(panel.engine for panel in panels)}")
+    return Figure(name, title, caption, spec, *table, how)
 
 
 def _rules(panel: TrendPanel, nights: Sequence[NightOf], days: Sequence[str]) -> list[Row]:

@@ -5,11 +5,10 @@ from collections.abc import Mapping, Sequence
 from plumbline.harness.case.alteration import EVERYTHING
 from plumbline.harness.findings.effects_audit import EffectVerdict
 from plumbline.harness.store.store import Store
-from plumbline.reports.charts.figure import Figure
+from plumbline.reports.charts.figure import Figure, tabled
 from plumbline.reports.charts.grammar import Row, channel, chart, hovering
 from plumbline.reports.charts.marks import POINT, Marks, decades, finished, logarithmic
 from plumbline.reports.words.catalogue import cases, labels
-from plumbline.reports.words.text import amount
 
 
 def savings_chart(store: Store, verdicts: Sequence[EffectVerdict]) -> Figure | None:
@@ -44,20 +43,17 @@ def savings_chart(store: Store, verdicts: Sequence[EffectVerdict]) -> Figure | N
         chart(rows)
         .marked("rule", opacity=0.35)
         .encode(x=channel("low:Q"), x2="high:Q", y=y, yOffset=shift, color=style.colour()),
-        chart(rows)
-        .marked("point", **POINT | {"size": 40})
-        .encode(x=x, y=y, yOffset=shift, **(style.channels() | {"tooltip": tooltips})),
+        chart(rows).marked("point", **POINT | {"size": 40}).encode(x=x, y=y, yOffset=shift, **style.channels(tooltips)),
     ]
     caption = "CPU time of a step with everything on, over that of the scene as it is: at 1 nothing is saved."
     how = (
         "A mark for each scene. Every other effect of the engine is present so faintly that it changes nothing but the work; "
         "both are clocked side by side. Bars are 95 % intervals."
     )
-    columns = ("engine", "scene", "ratio", "95 % from", "to")
-    cells = [[r["engine"], r["case"], amount(r["cost"]), amount(r["low"]), amount(r["high"])] for r in rows]
+    table = tabled(rows, "engine", "scene=case", "ratio=cost", "95 % from=low", "to=high")
     # A line for each mark, and room between engines: as high as it needs to be, and no higher than a screen.
     height = min(420, 12 * len({row["case"] for row in rows}) * len(style.engines) + 30 * len(style.engines) + 20)
-    return Figure("savings-ratio", "What everything on costs", caption, finished(layers, height), columns, cells, how)
+    return Figure("savings-ratio", "What everything on costs", caption, finished(layers, height), *table, how)
 
 
 def matrix(store: Store, verdicts: Sequence[EffectVerdict]) -> list[tuple[str, str, Mapping[str, Sequence[EffectVerdict]]]]:

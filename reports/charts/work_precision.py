@@ -30,7 +30,7 @@ from plumbline.reports.tables.price_list import PricedScene, scenes
 from plumbline.reports.tables.selection import answer
 from plumbline.reports.words.catalogue import case_file, cases, engines, labels, setting_words, titled
 from plumbline.reports.words.status import outcome
-from plumbline.reports.words.text import TIMES, amount, duration, power, step, visible
+from plumbline.reports.words.text import TIMES, duration, power, step, visible
 
 WIDE, HIGH = 200, 132
 """Of a miniature, in its own units; LEFT and BELOW leave room for the numbers of its axes, MARGIN for its marks."""
@@ -93,7 +93,7 @@ def work_precision(store: Store, scene: PricedScene) -> Figure:
     up, below, above = ("pace", "slow", "fast") if paced else ("cost", "low", "high")
     x = logarithmic("error", error, decades(row["error"] for row in rows))
     y = logarithmic(up, title_y, decades(row[up] for row in rows))
-    channels = style.channels() | {"tooltip": hover(scene.unit)}
+    channels = style.channels(hover(scene.unit))
     bar: Row = {"strokeWidth": 1.3, "clip": True}
     layers = [
         chart(best).marked("point", filled=False, size=260, strokeWidth=5, opacity=0.35, stroke="#8a93a0").encode(x=x, y=y),
@@ -121,10 +121,9 @@ def work_precision(store: Store, scene: PricedScene) -> Figure:
         + (" Small faint points were not clocked: their cost is a rough one." if rough else "")
         + (" Trials without an error or a cost are counted above the frame." if lanes else "")
     )
-    named = ("engine", "engine"), ("setting", "setting"), ("time step", "step")
-    costs = ("CPU time [s]", "cost"), ("95 % from [s]", "low"), ("to [s]", "high")
-    ends = ("timing", "timing"), ("outcome", "status"), ("trial", "trial")
-    table = tabled(rows, *named, ("error", "error"), ("truth off by", "off"), *costs, *ends)
+    costs = ("CPU time [s]=cost", "95 % from [s]=low", "to [s]=high")
+    errors = ("error", "truth off by=off")
+    table = tabled(rows, "engine", "setting", "time step=step", *errors, *costs, "timing", "outcome=status", "trial")
     title = f"{'Speed' if paced else 'Cost'} against error" + (f": {visible(scene.where)[:60]}" if scene.where else "")
     return Figure(scene.name, title, caption, finished(layers, height=340), *table, how)
 
@@ -262,15 +261,11 @@ def error_against_speed(store: Store) -> Figure | None:
     x = logarithmic("error", ERROR, decades(row["error"] for row in rows))
     y = logarithmic("pace", SPEED, decades(row["pace"] for row in rows))
     shown = hovering("engine:N", "setting:N", "case:N", ("error:Q", ERROR, ".2~g"), ("pace:Q", SPEED, ".3~g"), "step:N")
-    channels = style.channels() | {"tooltip": shown, "x": x, "y": y}
+    channels = style.channels(shown) | {"x": x, "y": y}
     layers = [
         chart([{"error": 0.01}]).marked("rule", strokeDash=[4, 4], color="#8a93a0").encode(x=x),
         chart(rows).marked("point", **POINT | {"size": 34, "opacity": 0.4}).encode(**channels),
         chart(over_all).marked("point", **POINT | {"size": 330}).encode(**channels),
-    ]
-    cells = [
-        [*(row[key] for key in ("engine", "setting", "case")), amount(row["error"]), amount(row["pace"]), row["step"]]
-        for row in [*over_all, *rows]
     ]
     caption = "Up is faster, left is more accurate. Large: all cases together. Small: each case. Dashed: 1 % error."
     how = (
@@ -278,7 +273,5 @@ def error_against_speed(store: Store) -> Figure | None:
         "every check of its case. All together: the geometric mean of speeds over the cases in which the engines have "
         "one, and the median of errors. Errors below a millionth of the scale stand there."
     )
-    columns = ("engine", "setting", "case", "error", SPEED, "speed taken")
-    return Figure(
-        "error-and-speed", "Error against speed, all cases", caption, finished(layers, height=300), columns, cells, how
-    )
+    table = tabled([*over_all, *rows], "engine", "setting", "case", "error", f"{SPEED}=pace", "speed taken=step")
+    return Figure("error-and-speed", "Error against speed, all cases", caption, finished(layers, height=300), *table, how)

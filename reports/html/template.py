@@ -11,9 +11,10 @@ The house words of a page, each linked to its entry of the glossary where it is 
 import hashlib
 import inspect
 import re
-from collections.abc import Iterable, Iterator
-from functools import cache
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from functools import cache, partial
 from importlib.metadata import version
+from itertools import chain
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote
@@ -26,12 +27,15 @@ from plumbline.harness.case.undropped import called
 from plumbline.harness.findings import parameter_words
 from plumbline.harness.findings.emulations import share_in_words
 from plumbline.harness.findings.parameter_words import substeps_of
+from plumbline.harness.findings.tables import table
 from plumbline.harness.intake.user_cache import cache_folder, keep, read_kept
 from plumbline.harness.metric.titles import metric_title
 from plumbline.harness.store.store import Store
+from plumbline.reports.charts.figure import Figure
 from plumbline.reports.charts.marks import looks
-from plumbline.reports.page import navigation
-from plumbline.reports.words.catalogue import case_file, cases, engine_file, engines, labels
+from plumbline.reports.page import Page, Rendered, navigation
+from plumbline.reports.tables.csv import sheet
+from plumbline.reports.words.catalogue import case_file, cases, engine_file, engines, labels, setting_words
 from plumbline.reports.words.glossary import HOUSE_WORDS, WORD, glossary, house_word
 from plumbline.reports.words.status import STATUSES, outcome
 from plumbline.reports.words.text import (
@@ -53,7 +57,7 @@ class CompiledTemplates(BytecodeCache):
 
     def __init__(self, filters: Iterable[Any]) -> None:
         texts = {Path(inspect.getfile(inspect.unwrap(call))) for call in filters}
-        texts |= {path for room in ("html", "words") for path in (Path(__file__).parents[1] / room).glob("*.py")}
+        texts |= {path for room in ("html", "words") for path in (Path(__file__).parents[1] / room).glob("*.*")}
         digest = hashlib.sha256(bc_magic + version("jinja2").encode())
         for path in sorted(texts):
             digest.update(hashlib.sha256(path.read_bytes()).digest())
@@ -213,19 +217,47 @@ def environment() -> Environment:
 
 def fill(template: str, store: Store, **context: Any) -> str:
     """A whole page from `templates/<template>`, house words linked to the glossary."""
-    named = engines(store)
-    page = (
-        environment()
-        .get_template(template)
-        .render(
-            navigation=navigation(store),
-            engines=named,
-            looks=looks(named),
-            yardsticks=[label for name, label in labels(store).items() if named[name]["ours"]],
-            case_titles={name: case["title"] for name, case in cases(store).items()},
-            statuses=STATUSES,
-            study=store.study,
-            **context,
-        )
-    )
+    named, known = engines(store), cases(store)
+    common: dict[str, Any] = {
+        "navigation": navigation(store),
+        "engines": named,
+        "cases": known,
+        "looks": looks(named),
+        "yardsticks": [label for name, label in labels(store).items() if named[name]["ours"]],
+        "case_titles": {name: case["title"] for name, case in known.items()},
+        "setting_of": partial(setting_words, store),
+        "statuses": STATUSES,
+        "study": store.study,
+    }
+    page = environment().get_template(template).render(common | context)
     return page if template == "glossary.html" else explained(page)
+
+
+def filled_page(
+    name: str,
+    title: str,
+    order: int,
+    told: Callable[[Store], Mapping[str, Any]],
+    *,
+    heading: str = "",
+    listed: bool = True,
+    tables: Sequence[str] = (),
+    concerns: Callable[[Store], bool] = lambda _: True,
+) -> Page:
+    """A page that is `templates/<name>.html` with what it is told, beside it the charts among that and some tables as CSV.
+
+    Args: heading: where the page does not call itself as in the navigation. tables: by name. Others: as a `Page` has them.
+    """
+
+    def render(store: Store) -> Mapping[str, Rendered]:
+        context = told(store)
+        page = fill(f"{name}.html", store, title=heading or title, **context)
+        sheets = {each: table(each) for each in tables}
+        charts = chain.from_iterable(part if isinstance(part, list) else [part] for part in context.values())
+        return {
+            f"{name}.html": page,
+            **{f"{each}.csv": sheet(sheets[each].columns, sheets[each].rows(store)) for each in tables},
+            **{chart.path: chart for chart in charts if isinstance(chart, Figure)},
+        }
+
+    return Page(name=name, title=title, order=order, render=render, listed=listed, concerns=concerns)

@@ -5,7 +5,6 @@ Scenes of one's own, whose truth engines have to agree on, have a page of their 
 
 import shlex
 from collections.abc import Collection, Iterator, Sequence
-from functools import partial
 
 import pandas as pd
 
@@ -26,7 +25,7 @@ from plumbline.reports.tables.price_list import price_list, scenes
 from plumbline.reports.tables.trial_results import answers, as_csv, in_order, is_file, listed, measured_of, metrics_of, trial
 from plumbline.reports.tables.verdicts import verdicts
 from plumbline.reports.words.altered_parameters import departures
-from plumbline.reports.words.catalogue import FAMILIES, case_file, cases, engines, setting_words, tracks
+from plumbline.reports.words.catalogue import FAMILIES, case_file, cases, engines, tracks
 from plumbline.reports.words.emulated_features import laws_of_case
 from plumbline.reports.words.known_findings import disputed, of_case, told
 from plumbline.reports.words.status import outcome
@@ -85,7 +84,6 @@ def render(store: Store) -> Iterator[tuple[str, Rendered]]:
             trials=[trial(store, row, measured.get(row["trial"], {})) for row in records(shown)],
             departures=departures(shown),
             trials_in_all=len(mine),
-            setting_of=partial(setting_words, store),
             shown=outcome,
             csv=f"trials/{plain}.csv",
             recording=f"../recordings/{file_name(name)}" if is_file(recording) else None,

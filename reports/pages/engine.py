@@ -7,7 +7,7 @@ from plumbline.harness.store.store import Store
 from plumbline.reports.html.template import fill
 from plumbline.reports.page import Page
 from plumbline.reports.tables.verdicts import by_reason, cases_of, failing, laws_of, tracks_of, versions_of
-from plumbline.reports.words.catalogue import cases, engine_file, engines, setting_words
+from plumbline.reports.words.catalogue import engine_file, engines, setting_words
 from plumbline.reports.words.known_findings import by_engine
 
 
@@ -28,7 +28,6 @@ def render(store: Store) -> Mapping[str, str]:
             listed=cases_of(store, name),
             laws=laws_of(store, name) if engine["features"] else [],
             findings=known.get(name, []),
-            known_cases=cases(store),
             reasons=by_reason(engine["known_failures"]),
         )
         for name, engine in engines(store).items()

@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
-from functools import partial
 
 from plumbline.harness.findings.emulations import whose
 from plumbline.harness.findings.selection.rank import DRAWS
@@ -20,7 +19,7 @@ from plumbline.reports.tables.selection import answer, needs
 from plumbline.reports.tables.summary import sentences
 from plumbline.reports.tables.trial_results import answers, at_own_step
 from plumbline.reports.tables.verdicts import cells_by_family, failing, tracks_of, verdicts
-from plumbline.reports.words.catalogue import cases, compared_tracks, engines, named_tracks, setting_words
+from plumbline.reports.words.catalogue import cases, compared_tracks, engines, named_tracks
 from plumbline.reports.words.status import STATUSES, VERDICTS
 
 SHOWN = 6
@@ -90,7 +89,6 @@ def render(store: Store) -> Mapping[str, Rendered]:
         laws={(case, name, track): whose(store.catalogue, name, case, track) for case, name, track in cells},
         tracks=compared_tracks(store),
         columns={name: tracks for name in engines(store) if (tracks := tracks_of(store, name))},
-        setting_of=partial(setting_words, store),
         figures=figures,
         machine=store.machine,
         trials=len(store.trials),

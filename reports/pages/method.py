@@ -2,31 +2,25 @@
 
 from collections.abc import Mapping
 from operator import itemgetter
+from typing import Any
 
 from pandas import Series
 
 from plumbline.harness.store.rows import grouped
 from plumbline.harness.store.store import Store
-from plumbline.reports.html.template import fill
-from plumbline.reports.page import Page
+from plumbline.reports.html.template import filled_page
+from plumbline.reports.words.called import WORDS
 from plumbline.reports.words.catalogue import cases
 from plumbline.reports.words.citation import citation
 from plumbline.reports.words.emulated_features import own_everywhere, told_apart
 from plumbline.reports.words.glossary import indexed
 
-TRUTHS = {
-    "closed form": "a formula of the motion, or of what it comes to",
-    "converged reference": "equations of motion of the scene alone, integrated by SciPy at two tolerances that tell the error",
-    "conservation": "what no force of the scene changes: energy, momentum, a passage that there must not be",
-    "rest": "statics: what stands in equilibrium stays",
-    "statistics": "the law that readings or ensembles are drawn by",
-    "agreed limit": "no truth: what each engine comes to at ever smaller steps, where engines agree on it",
-}
+TRUTHS = WORDS["truths"]
 """By kind, what judges; the reference engine is none of them."""
 
 
-def render(store: Store) -> Mapping[str, str]:
-    """The page."""
+def told(store: Store) -> Mapping[str, Any]:
+    """What the template is told."""
     samples = store.samples
     timing = {
         "samples": len(samples),
@@ -37,19 +31,14 @@ def render(store: Store) -> Mapping[str, str]:
     }
     by_truth = grouped(cases(store).values(), itemgetter("truth"))
     return {
-        "method.html": fill(
-            "method.html",
-            store,
-            title="Method",
-            machine=store.machine,
-            timing=timing,
-            laws=told_apart(store),
-            own=own_everywhere(store),
-            truths=[(kind, TRUTHS.get(kind, ""), rows) for kind, rows in by_truth.items()],
-            folder=str(store.folder),
-            citation=citation(store),
-            concepts=indexed(store),
-        )
+        "machine": store.machine,
+        "timing": timing,
+        "laws": told_apart(store),
+        "own": own_everywhere(store),
+        "truths": [(kind, TRUTHS.get(kind, ""), rows) for kind, rows in by_truth.items()],
+        "folder": str(store.folder),
+        "citation": citation(store),
+        "concepts": indexed(store),
     }
 
 
@@ -59,4 +48,4 @@ def spread(canary: Series) -> float | None:
     return None if not middle > 0 else float(canary.quantile(0.75) - canary.quantile(0.25)) / middle
 
 
-PAGE = Page(name="method", title="Method", order=90, render=render)
+PAGE = filled_page("method", "Method", 90, told)

@@ -3,13 +3,11 @@
 import math
 from collections import Counter
 from collections.abc import Mapping
+from typing import Any
 
 from plumbline.harness.findings.cost_point import ALIKE
 from plumbline.harness.findings.prices import priced
 from plumbline.harness.findings.standing import pair_leads
-from plumbline.harness.findings.tables import price as prices_table
-from plumbline.harness.findings.tables import profile as profile_table
-from plumbline.harness.findings.tables import steps as steps_table
 from plumbline.harness.findings.tables.profile import FACTOR, TIME, hinges, profile, without
 from plumbline.harness.findings.tables.steps import largest_steps
 from plumbline.harness.store.store import Store
@@ -17,9 +15,7 @@ from plumbline.reports.charts.largest_steps import allowances, steps_chart
 from plumbline.reports.charts.marks import TRACKS
 from plumbline.reports.charts.performance_profile import profile_chart
 from plumbline.reports.charts.work_precision import miniatures
-from plumbline.reports.html.template import fill
-from plumbline.reports.page import Page, Rendered
-from plumbline.reports.tables.csv import sheet
+from plumbline.reports.html.template import filled_page
 from plumbline.reports.tables.limit_table import standings
 from plumbline.reports.tables.price_list import SHOWN, price_list, scenes, tried, wins
 from plumbline.reports.words.catalogue import ours
@@ -35,40 +31,30 @@ def concerns(store: Store) -> bool:
     return max(Counter(setting for setting, _ in steps).values(), default=0) > 1
 
 
-def render(store: Store) -> Mapping[str, Rendered]:
-    """The page, its charts and its tables as CSV."""
+def told(store: Store) -> Mapping[str, Any]:
+    """What the template is told."""
     prices = priced(store).prices
     shares, steps = profile(prices), largest_steps(store)
     profiles = [figure for limit in (FACTOR, TIME) if (figure := profile_chart(store, shares, limit)) is not None]
     largest = steps_chart(store, steps)
-    page = fill(
-        "price.html",
-        store,
-        title="Price",
-        wins=wins(prices),
-        standings=standings(pair_leads(prices, priced(store).points)),
-        hinges=[
+    return {
+        "wins": wins(prices),
+        "standings": standings(pair_leads(prices, priced(store).points)),
+        "hinges": [
             (row, *without(row))
             for row in hinges(share for share in shares if share.limit == FACTOR and share.engine not in ours(store))
         ],
-        profiles=profiles,
-        lines=price_list(store),
-        tried=tried(store),
-        alike=ALIKE,
-        first=power(round(math.log10(SHOWN))),
-        miniatures=miniatures(store),
-        largest=largest,
-        allowances=allowances(store, steps),
-        tracks=TRACKS,
-        few=FEW,
-    )
-    figures = [*profiles, *([largest] if largest is not None else [])]
-    sheets = {
-        "price.csv": sheet(prices_table.TABLE.columns, map(prices_table.TABLE.flat, prices)),
-        "profile.csv": sheet(profile_table.TABLE.columns, map(profile_table.TABLE.flat, shares)),
-        "steps.csv": sheet(steps_table.TABLE.columns, map(steps_table.TABLE.flat, steps)),
+        "profiles": profiles,
+        "lines": price_list(store),
+        "tried": tried(store),
+        "alike": ALIKE,
+        "first": power(round(math.log10(SHOWN))),
+        "miniatures": miniatures(store),
+        "largest": largest,
+        "allowances": allowances(store, steps),
+        "tracks": TRACKS,
+        "few": FEW,
     }
-    return {"price.html": page} | sheets | {figure.path: figure for figure in figures}
 
 
-PAGE = Page(name="price", title="Price", order=10, render=render, concerns=concerns)
+PAGE = filled_page("price", "Price", 10, told, tables=("price", "profile", "steps"), concerns=concerns)

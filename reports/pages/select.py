@@ -18,7 +18,7 @@ from plumbline.reports.tables.selection import (
     notes_and_command,
     standings,
 )
-from plumbline.reports.words.catalogue import FAMILIES, cases, engine_title, setting_words
+from plumbline.reports.words.catalogue import FAMILIES, cases, engine_title
 
 
 def concerns(store: Store) -> bool:
@@ -52,7 +52,6 @@ def render(store: Store) -> Mapping[str, str]:
         criteria={name: meaning for name, meaning in CRITERIA.items() if any(key[0] == name for key in found.evidence.table)},
         evidence=[evidence for evidence, _ in leaned_on],
         live=live(store),
-        setting_of=partial(setting_words, store),
     )
     sheets = {evidence.file: sheet(listing.COLUMNS, listing.rows(chosen)) for evidence, chosen in leaned_on}
     return {"select.html": page} | sheets

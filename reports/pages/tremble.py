@@ -1,20 +1,14 @@
 """The page on trembling: how strongly each engine's standing machine vibrates, and the cause that its runs prove."""
 
 from collections.abc import Mapping
+from typing import Any
 
 from plumbline.harness.findings.tables.tremble import CHANGES, CURED, findings
 from plumbline.harness.store.store import Store
-from plumbline.reports.html.template import fill
-from plumbline.reports.page import Page
-from plumbline.reports.words.catalogue import cases
+from plumbline.reports.html.template import filled_page
+from plumbline.reports.words.called import WORDS
 
-HEADS = {
-    "iterations": "more iterations",
-    "law": "other law",
-    "softer": "softer drives",
-    "step": "shorter step",
-    "product": "both at one k dt²",
-}
+HEADS = WORDS["changes"]
 """The changes in the words of a table's head."""
 
 
@@ -23,19 +17,9 @@ def concerns(store: Store) -> bool:
     return any("iterations" in found.shares for found in findings(store))
 
 
-def render(store: Store) -> Mapping[str, str]:
-    """The page."""
-    page = fill(
-        "tremble.html",
-        store,
-        title="Tremble",
-        found=findings(store),
-        cases=cases(store),
-        changes=CHANGES,
-        heads=HEADS,
-        cured=CURED,
-    )
-    return {"tremble.html": page}
+def told(store: Store) -> Mapping[str, Any]:
+    """What the template is told."""
+    return {"found": findings(store), "changes": CHANGES, "heads": HEADS, "cured": CURED}
 
 
-PAGE = Page(name="tremble", title="Tremble", order=30, render=render, concerns=concerns)
+PAGE = filled_page("tremble", "Tremble", 30, told, concerns=concerns)

@@ -185,9 +185,14 @@ def _is_pdf(path: Path) -> bool:
     return content.startswith(b"%PDF-") and b"%%EOF" in content[-1024:]
 
 
-def print_report(store: Store, report: Path, out: Path) -> Path:
-    """Write the PDF of the pages in `report`; returns its path. Raises: NotPrinted, OSError."""
-    program, report = browser(), report.resolve()  # a browser takes addresses from the root alone
+def print_report(folder: Path, out: Path | None = None) -> Path:
+    """Write the PDF of the pages in `folder/report/`, there as `report.pdf` unless `out` says otherwise; returns its path.
+
+    Raises: NotPrinted, OSError.
+    """
+    program, store = browser(), Store(folder)
+    report = (folder / "report").resolve()  # a browser takes addresses from the root alone
+    out = out or folder / "report" / "report.pdf"
     sheets = [Sheet(path.stem, path.read_text(encoding="utf-8")) for path in _order(report)]
     title = f"Plumbline: {store.study.get('title') or store.study.get('name') or 'report'}"
     page, profile = report / f".print.{os.getpid()}.html", report / f".print.{os.getpid()}"

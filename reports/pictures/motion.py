@@ -101,13 +101,7 @@ def motion_of(store: Store, stage: Stage) -> MotionPicture | None:
     off = {"m": "Distance from the truth, farthest body", "rad": "Angle from the truth, largest"}[off_unit]
     has_off = any(len(line.off) for line in lines)
     return MotionPicture(
-        title,
-        unit,
-        off if has_off else "",
-        off_unit if has_off else "",
-        tuple(lines),
-        truth,
-        band if len(truth[0]) else None,
+        title, unit, off if has_off else "", off_unit if has_off else "", tuple(lines), truth, band if len(truth[0]) else None
     )
 
 

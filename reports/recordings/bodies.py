@@ -117,11 +117,7 @@ def sharing(bodies: Sequence[Mapping[str, Any]], places: Sequence[int]) -> list[
 
 
 def log_moving(
-    rec: "rr.RecordingStream",
-    root: str,
-    bodies: Sequence[ShapeBatch],
-    arrays: Mapping[str, Floats],
-    paint: Paint,
+    rec: "rr.RecordingStream", root: str, bodies: Sequence[ShapeBatch], arrays: Mapping[str, Floats], paint: Paint
 ) -> None:
     """Log bodies that move below `root`: shapes once, and so the poses of those that stay where they are; poses in columns.
 

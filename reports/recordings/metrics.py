@@ -10,16 +10,12 @@ from plumbline.harness.trajectory.kinematics import angle_between, rotate
 from plumbline.reports.recordings.bodies import truth_at
 from plumbline.reports.recordings.layout import METRICS, TRUTH, Floats, Rgba, checked, columns, rgba
 from plumbline.reports.recordings.runs import RecordedRun, Stage, extremes, stride_of
+from plumbline.reports.words.called import WORDS
 
 if TYPE_CHECKING:
     import rerun as rr
 
-TITLES = {
-    "position_error": "Distance from the truth, farthest body [m]",
-    "attitude_error": "Angle from the truth, largest [rad]",
-    "speed": "Speed, fastest body [m/s]",
-    "kinetic_energy": "Kinetic energy of all bodies [J]",
-}
+TITLES = WORDS["plots"]
 """Metrics and what their plots are called."""
 
 

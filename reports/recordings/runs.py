@@ -138,8 +138,7 @@ def chosen(trials: Sequence[Mapping[str, Any]], case: Mapping[str, Any]) -> list
         return len({(t["engine"], t["track"]) for t in with_states if variant(t) == key})
 
     shown = min(
-        dict.fromkeys(variant(t) for t in with_states),
-        key=lambda key: (json.loads(key[0]) != own, -engines_with(key), key[1]),
+        dict.fromkeys(variant(t) for t in with_states), key=lambda key: (json.loads(key[0]) != own, -engines_with(key), key[1])
     )
     wanted = case.get("dt") or min(t["dt"] for t in with_states)
     picked: dict[tuple[str, str], Mapping[str, Any]] = {}

@@ -1,5 +1,6 @@
 """The page of a comparison of robot files: what an importer makes of a robot, or whether two files are the same one."""
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,22 +15,9 @@ from plumbline.reports.words.text import amount, unit_text
 DERIVED = ("gravity torque", "mass matrix", "acceleration")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ParityRow:
-    """One difference. Terms: size: how it differs. torque: its consequence, '' where it has none. bar: share of the
-    worst torque of all sides, 0 to 1."""
-
-    kind: str
-    quantity: str
-    element: str
-    value_A: str
-    value_B: str
-    unit: str
-    size: str
-    torque: str
-    words: str
-    documented: str
-    bar: float
+ParityRow = Mapping[str, Any]
+"""A difference as recorded, in words. Terms: size: how it differs. torque: its consequence, '' where it has none. bar: share of
+the worst torque of all sides, 0 to 1."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -44,7 +32,7 @@ class ParityPanel:
     @property
     def undocumented(self) -> int:
         """How many causes no documentation tells."""
-        return sum(not row.documented for row in self.causes)
+        return sum(not row["documented"] for row in self.causes)
 
 
 def write_page(folder: Path) -> Path:
@@ -61,18 +49,9 @@ def rendered(record: ParityRecord) -> str:
     most = max((row["torque"] or 0.0 for side in record.sides for row in side.rows), default=0.0)
     panels = tuple(_panel(side, most) for side in record.sides)
     engines = sorted({side.engine for side in record.sides if side.engine})
-    return (
-        environment()
-        .get_template("parity.html")
-        .render(
-            record=record,
-            panels=panels,
-            audit=bool(engines),
-            looks=looks(dict.fromkeys(engines)),
-            kinds=_kinds(panels),
-            navigation=(),
-        )
-    )
+    drawn, kinds = looks(dict.fromkeys(engines)), _kinds(panels)
+    page = environment().get_template("parity.html")
+    return page.render(record=record, panels=panels, audit=bool(engines), looks=drawn, kinds=kinds, navigation=())
 
 
 def _panel(side: ParitySide, most: float) -> ParityPanel:
@@ -91,24 +70,21 @@ def _worst(rows: Sequence[Mapping[str, Any]]) -> str:
     return f"{amount(row['torque'])} {unit_text(row['torque_unit'])}" if row and row["torque"] else ""
 
 
-def _row(row: Mapping[str, Any], most: float) -> ParityRow:
+def _row(row: dict[str, Any], most: float) -> ParityRow:
     size = "" if row["absolute"] is None else f"{amount(row['absolute'])} {unit_text(row['unit'])}".strip()
     if row["relative"] is not None:
         size += f" ({amount(row['relative'])} relative)" if size else f"{amount(row['relative'])} relative"
     followed = row["torque"] is not None
-    return ParityRow(
-        kind=row["kind"],
-        quantity=row["quantity"].replace("_", " "),
-        element=row["element"],
-        value_A=_shown(row["value_A"]),
-        value_B=_shown(row["value_B"]),
-        unit=unit_text(row["unit"]),
-        size=size,
-        torque=f"{amount(row['torque'])} {unit_text(row['torque_unit'])}" if followed else "",
-        words="" if followed else row["words"],
-        documented=row["documented"],
-        bar=(row["torque"] or 0.0) / most if most > 0 else 0.0,
-    )
+    return row | {
+        "quantity": row["quantity"].replace("_", " "),
+        "value_A": _shown(row["value_A"]),
+        "value_B": _shown(row["value_B"]),
+        "unit": unit_text(row["unit"]),
+        "size": size,
+        "torque": f"{amount(row['torque'])} {unit_text(row['torque_unit'])}" if followed else "",
+        "words": "" if followed else row["words"],
+        "bar": (row["torque"] or 0.0) / most if most > 0 else 0.0,
+    }
 
 
 def _shown(value: Any) -> str:
@@ -121,13 +97,9 @@ def _shown(value: Any) -> str:
 
 def _kinds(panels: Sequence[ParityPanel]) -> list[tuple[str, list[tuple[int, bool]]]]:
     """Kinds of changes, the most frequent first: how many of each every side has, and whether all are documented."""
-    names: dict[str, int] = {}
-    for panel in panels:
-        for row in panel.causes:
-            if row.kind:
-                names[row.kind] = names.get(row.kind, 0) + 1
+    names = Counter(row["kind"] for panel in panels for row in panel.causes if row["kind"])
     table = []
     for name in sorted(names, key=lambda kind: (-names[kind], kind)):
-        cells = [[row for row in panel.causes if row.kind == name] for panel in panels]
-        table.append((name, [(len(rows), bool(rows) and all(row.documented for row in rows)) for rows in cells]))
+        cells = [[row for row in panel.causes if row["kind"] == name] for panel in panels]
+        table.append((name, [(len(rows), bool(rows) and all(row["documented"] for row in rows)) for rows in cells]))
     return table

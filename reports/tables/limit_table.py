@@ -19,6 +19,7 @@ from plumbline.harness.findings.tables.remedies import Remedied
 from plumbline.harness.metric.titles import metric_title
 from plumbline.harness.store.rows import grouped
 from plumbline.harness.store.store import Store
+from plumbline.reports.words.called import WORDS
 from plumbline.reports.words.catalogue import cases, engines
 from plumbline.reports.words.known_findings import disputed
 from plumbline.reports.words.text import amount, join_words, plural
@@ -261,13 +262,7 @@ def _reached(search: Search) -> ReachedLimit:
     return ReachedLimit(search.engine, words, sign or "breaks", search.reach, search.trial_broke)
 
 
-_WORDS = {
-    "sub-steps x 4": "four times the sub-steps",
-    "time step / 4": "a quarter of the time step",
-    "more iterations": "as many iterations as the engine offers",
-    "continuous collision": "continuous collision",
-    "damping": "damping of all motion",
-}
+_WORDS = WORDS["remedies"]
 _PLURAL = ("sub-steps x 4", "more iterations")
 
 

@@ -16,8 +16,9 @@ from plumbline.harness.findings.once import once
 from plumbline.harness.findings.tables.recorded import joint_errors, recorded_words
 from plumbline.harness.findings.tables.zoo import RUNS, InZoo, in_zoo
 from plumbline.harness.store.store import Store
+from plumbline.reports.words.called import WORDS
 from plumbline.reports.words.catalogue import titles
-from plumbline.reports.words.status import FINITE, VERDICTS, StatusWord, outcome
+from plumbline.reports.words.status import FINITE, NOT_RUN, VERDICTS, StatusWord, outcome
 
 
 @once
@@ -60,13 +61,7 @@ def shown(name: str) -> StatusWord:
     return FINITE if name == "passed" else outcome(name)
 
 
-NOT_RUN = StatusWord(name="not run", symbol="○", meaning="the engine takes the robot, and time was up before it ran", rank=2)
-STAGES = {
-    "not here": "its files are not on this machine and could not be fetched",
-    "not read": "reading its files did not end",
-    "refused": "its files are refused",
-    "no engine": "no engine can build it",
-}
+STAGES = WORDS["stages"]
 """How far those came that do not go in, in words."""
 
 

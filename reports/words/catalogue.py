@@ -7,23 +7,10 @@ from typing import Any
 
 from plumbline.harness.store.store import Store
 from plumbline.harness.study.engine_versions import engine_of
+from plumbline.reports.words.called import WORDS
 from plumbline.reports.words.text import knobs, powers, settings_text, slug, visible
 
-FAMILIES: dict[str, str] = {
-    "flight": "Free flight",
-    "spin": "Free rotation",
-    "orbit": "Orbits",
-    "joint": "Joints",
-    "impact": "Impacts",
-    "friction": "Friction",
-    "rest": "Rest",
-    "stack": "Stacks",
-    "tunnel": "Tunnelling",
-    "stand": "Standing",
-    "system": "Systems",
-    "sensor": "Sensors",
-    "scene": "Your scenes",
-}
+FAMILIES: dict[str, str] = WORDS["families"]
 """Titles of the families, in the order from the simple to the composed."""
 
 TRACK_ORDER = {"default": 0, "tuned": 1}
@@ -64,15 +51,18 @@ ENGINE: dict[str, Any] = {
 @lru_cache(maxsize=2)
 def cases(store: Store) -> dict[str, dict[str, Any]]:
     """All cases that have a trial, in the catalogue's order; the whole catalogue where there is no trial at all."""
-    catalogue = store.catalogue.get("cases", {})
-    tried = list(store.trials["case"].unique())
+    return {
+        name: {"family": re.split("[_:]", str(name), maxsplit=1)[0]} | about
+        for name, about in _met(store, "case", CASE).items()
+    }
+
+
+def _met(store: Store, kind: str, blank: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
+    """What the catalogue says of what has a trial, of all that it has where there is none. Args: blank: what else it says."""
+    catalogue, tried = store.catalogue.get(f"{kind}s", {}), list(store.trials[kind].unique())
     names = [name for name in catalogue if name in tried or not tried] + [name for name in tried if name not in catalogue]
-    by_name = {}
-    for name in names:
-        case = CASE | {"name": name, "family": re.split("[_:]", str(name), maxsplit=1)[0]} | catalogue.get(name, {})
-        case["title"] = case["title"] or name
-        by_name[name] = case
-    return by_name
+    listed = {name: {**blank, "name": name, **catalogue.get(name, {})} for name in names}
+    return {name: about | {"title": about["title"] or name} for name, about in listed.items()}
 
 
 def families(store: Store) -> list[tuple[str, list[dict[str, Any]]]]:
@@ -88,15 +78,7 @@ def families(store: Store) -> list[tuple[str, list[dict[str, Any]]]]:
 @lru_cache(maxsize=2)
 def engines(store: Store) -> dict[str, dict[str, Any]]:
     """All engines that have a trial, as the catalogue has them; ours last: on a narrow screen the first columns are read."""
-    catalogue = store.catalogue.get("engines", {})
-    tried = list(store.trials["engine"].unique())
-    names = [name for name in catalogue if name in tried or not tried] + [name for name in tried if name not in catalogue]
-    by_name = {}
-    for name in names:
-        engine = ENGINE | {"name": name} | catalogue.get(name, {})
-        engine["title"] = engine["title"] or name
-        by_name[name] = engine
-    return dict(sorted(by_name.items(), key=lambda pair: bool(pair[1]["ours"])))
+    return dict(sorted(_met(store, "engine", ENGINE).items(), key=lambda pair: bool(pair[1]["ours"])))
 
 
 def engine_title(store: Store, name: str) -> str:

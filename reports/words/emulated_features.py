@@ -6,21 +6,10 @@ from typing import Any
 
 from plumbline.harness.findings.emulations import Made, made
 from plumbline.harness.store.store import Store
+from plumbline.reports.words.called import WORDS
 from plumbline.reports.words.catalogue import engines
 
-NAMES = {
-    "pair_friction": "friction of any pairs",
-    "static_friction": "static above kinetic friction",
-    "closed_loop": "closed loops",
-    "distance_spring": "springs between points of two bodies",
-    "feedforward": "motors of constant torque",
-    "springs": "springs and dampers of joints",
-    "limits": "stops of joints",
-    "render": "pictures",
-    "save": "saved states",
-    "native_steps": "many steps in a call",
-    "step_lengths": "steps of uneven lengths",
-}
+NAMES = WORDS["features"]
 """What a feature is called in a table, where its own name says too little."""
 BATCH = "many worlds in a call"
 IN_TURNS = "the harness lets worlds take turns, a few steps each"

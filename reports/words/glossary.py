@@ -4,15 +4,35 @@ The concepts of a first course, chapter by chapter, with their engine file and t
 """
 
 import re
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
 from plumbline.harness.store.store import Store
+from plumbline.reports.words.called import WORDS
 from plumbline.reports.words.catalogue import cases
 
-PLACES = (Path(__file__).parents[1] / "glossary.md", Path(__file__).resolve().parents[2] / "docs" / "glossary.md")
-"""Where the page lies in an installed package, and in a working copy."""
+PLACES = (Path(__file__).parents[1], Path(__file__).resolve().parents[2] / "docs")
+"""Where pages lie in an installed package, and in a working copy."""
+
+
+def _page(name: str) -> str:
+    """A page of the documentation; nothing if this installation lacks it."""
+    path = next((folder / name for folder in PLACES if (folder / name).is_file()), None)
+    return "" if path is None else path.read_text(encoding="utf-8")
+
+
+def _tables(page: str) -> Iterator[tuple[str, list[str]]]:
+    """Each heading of the second level, with the rows of the table below it."""
+    for block in re.split(r"^## ", page, flags=re.MULTILINE)[1:]:
+        title, _, text = block.partition("\n")
+        yield title.strip(), [line.strip().strip("|") for line in text.splitlines() if line.startswith("|")][2:]  # below a rule
+
+
+def _anchor(title: str) -> str:
+    """A title as part of an address."""
+    return re.sub(r"[^a-z0-9]+", "-", title.lower()).strip("-")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -27,48 +47,26 @@ class GlossaryEntry:
     @property
     def anchor(self) -> str:
         """The first word as part of an address."""
-        return re.sub(r"[^a-z0-9]+", "-", self.words[0].lower()).strip("-")
+        return _anchor(self.words[0])
 
 
 def entries(page: str) -> tuple[GlossaryEntry, ...]:
     """The rows of a page in Markdown: headings of the second level, each with a table of two columns."""
     read: list[GlossaryEntry] = []
-    for block in re.split(r"^## ", page, flags=re.MULTILINE)[1:]:
-        title, _, text = block.partition("\n")
-        for line in [line for line in text.splitlines() if line.startswith("|")][2:]:  # below a header and its rule
-            words, meaning = (cell.strip() for cell in line.strip("|").split("|", 1))
-            read.append(GlossaryEntry(section=title.strip(), words=tuple(words.split(", ")), meaning=meaning))
+    for title, rows in _tables(page):
+        for row in rows:
+            words, meaning = (cell.strip() for cell in row.split("|", 1))
+            read.append(GlossaryEntry(section=title, words=tuple(words.split(", ")), meaning=meaning))
     return tuple(read)
 
 
 @cache
 def glossary() -> tuple[GlossaryEntry, ...]:
     """The entries of `docs/glossary.md`; none if this installation lacks it."""
-    path = next((path for path in PLACES if path.is_file()), None)
-    return () if path is None else entries(path.read_text(encoding="utf-8"))
+    return entries(_page("glossary.md"))
 
 
-HOUSE_WORDS = {
-    "track": "tracks?",
-    "knob": "knobs?",
-    "ladder": "ladders?",
-    "companion": "companions?",
-    "fidelity": "fidelity",
-    "headline": "headlines?",
-    "scale": "(?:case's|its)(?: own)? scale",
-    "clocked": "clocked",
-    "emulated": "emulated",
-    "front": "fronts",
-    "price": "prices?",
-    "remedy": "remed(?:y|ies)",
-    "resample": "resampl(?:es?|ed)",
-    "notice": "notices(?! which)",  # a check notices which one is wrong
-    "tremble": "trembles?",
-    "truth": "truths?",
-    "conformance": "conformance",
-    "nominal time step": "nominal (?:time )?steps?",
-    "reference engine": "(?<!Plumbline )reference engine",  # not in its name
-}
+HOUSE_WORDS: dict[str, str] = WORDS["house"]
 """Entries whose word means something of its own here, and their forms: each page links the first of each to its entry."""
 WORD = re.compile(r"(?<![\w-])(?:" + "|".join(f"({form})" for form in HOUSE_WORDS.values()) + r")(?![\w-])", re.IGNORECASE)
 
@@ -103,8 +101,6 @@ def linked(page: str, address: str) -> str:
     return _MARKDOWN.sub(link, page)
 
 
-BOOK_PLACES = (Path(__file__).parents[1] / "book.md", Path(__file__).resolve().parents[2] / "docs" / "book.md")
-"""Where the page lies in an installed package, and in a working copy."""
 _CASE = re.compile(r"`(?P<case>\w+)`(?: with `(?P<setting>\w+ = [^`]+)`)?")
 _FILE = re.compile(r"\[(?P<file>[^\]]+)\]\([^)]*\)")
 
@@ -146,22 +142,17 @@ def _concept(cells: list[str]) -> Concept:
 
 def chapters(page: str) -> tuple[Chapter, ...]:
     """The chapters of a page in Markdown: a heading of the second level with a table of four columns each."""
-    made = []
-    for block in re.split(r"^## ", page, flags=re.MULTILINE)[1:]:
-        title, _, text = block.partition("\n")
-        lines = [line.strip() for line in text.splitlines() if line.startswith("|")]
-        rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines[2:]]  # below a header and its rule
-        if rows:
-            anchor = re.sub(r"[^a-z0-9]+", "-", title.lower()).strip("-")
-            made.append(Chapter(title=title.strip(), anchor=anchor, concepts=tuple(_concept(row) for row in rows)))
-    return tuple(made)
+    return tuple(
+        Chapter(title=title, anchor=_anchor(title), concepts=tuple(_concept([*map(str.strip, row.split("|"))]) for row in rows))
+        for title, rows in _tables(page)
+        if rows
+    )
 
 
 @cache
 def book() -> tuple[Chapter, ...]:
     """The chapters of `docs/book.md`; none where this installation lacks it."""
-    path = next((path for path in BOOK_PLACES if path.is_file()), None)
-    return () if path is None else chapters(path.read_text(encoding="utf-8"))
+    return chapters(_page("book.md"))
 
 
 def indexed(store: Store) -> bool:

@@ -1,7 +1,16 @@
-"""How each outcome of a trial is shown: a symbol, a word and a colour, never a colour alone."""
+"""How each outcome of a trial is shown: a symbol, a word and a colour, never a colour alone; and why it ended so, in words."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import pandas as pd
+
+from plumbline.harness.metric.titles import metric_title
+from plumbline.harness.store.store import Store
+from plumbline.reports.words.called import WORDS
+from plumbline.reports.words.text import amount, unit_text
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -25,58 +34,13 @@ class StatusWord:
         return self.name.replace(" ", "-")
 
 
-STATUSES: dict[str, StatusWord] = {
-    status.name: status
-    for status in (
-        StatusWord(name="passed", symbol="✓", meaning="every check of the case holds", rank=0, answered=True),
-        StatusWord(name="failed", symbol="✕", meaning="at least one check does not hold", rank=4, answered=True),
-        StatusWord(
-            name="diverged",
-            symbol="∞",
-            meaning="NaN, infinity, a joint that stays open, or a state that the engine reset in silence",
-            rank=5,
-        ),
-        StatusWord(
-            name="unsupported", symbol="∅", meaning="the engine cannot express the scene; nothing is approximated", rank=1
-        ),
-        StatusWord(name="unavailable", symbol="○", meaning="this machine cannot run it as asked; the reason says why", rank=2),
-        StatusWord(name="timeout", symbol="◷", meaning="stopped at its deadline", rank=6),
-        StatusWord(name="crashed", symbol="‡", meaning="the process ended by a signal or an unexpected error", rank=8),
-        StatusWord(name="oom", symbol="▣", meaning="stopped at its memory limit", rank=7),
-        StatusWord(name="interrupted", symbol="‖", meaning="the run was stopped by the person who started it", rank=3),
-    )
-}
-"""In the order of `harness.store.record.Status`."""
-
-FINITE = StatusWord(
-    name="finite",
-    symbol="·",
-    meaning="every number is finite; whether they are right, engines have to agree on",
-    rank=0,
-    answered=True,
+STATUSES, VERDICTS, _OTHERS = (
+    {name: StatusWord(name=name, **about) for name, about in WORDS[table].items()}
+    for table in ("statuses", "verdicts", "others")
 )
-"""What 'passed' means in a scene of one's own, whose trials are asked nothing else."""
-
-VERDICTS: dict[str, StatusWord] = {
-    verdict.name: verdict
-    for verdict in (
-        StatusWord(
-            name="agrees", symbol="✓", meaning="ends, as its step goes to zero, where two engines or more agree", rank=0
-        ),
-        StatusWord(name="converges", symbol="→", meaning="draws together as its step goes to zero; no limit is agreed", rank=3),
-        StatusWord(
-            name="converges elsewhere", symbol="≠", meaning="draws together, but not at the limit that is agreed", rank=4
-        ),
-        StatusWord(name="does not converge", symbol="∿", meaning="ends elsewhere at each time step", rank=6),
-        StatusWord(
-            name="diverged", symbol="∞", meaning="left the numbers, or its joints, at its finest step or at all but two", rank=5
-        ),
-        StatusWord(name="cannot", symbol="∅", meaning="has no answer at three steps; the reason says why", rank=1),
-    )
-}
-"""The words for engines in a scene without a truth, as `harness.findings.agreement` has them."""
-
-UNKNOWN = StatusWord(name="unknown", symbol="?", meaning="a status that this version does not know", rank=9)
+"""Outcomes of trials, and verdicts on engines in a scene without a truth."""
+FINITE, UNKNOWN, NOT_RUN = _OTHERS.values()
+"""What 'passed' means in a scene of one's own, whose trials are asked nothing else; a status of a newer store; of a robot."""
 
 
 def outcome(name: str) -> StatusWord:
@@ -87,3 +51,41 @@ def outcome(name: str) -> StatusWord:
 def worst(names: Iterable[str]) -> StatusWord:
     """The one that a reader must not miss."""
     return max((outcome(name) for name in names), key=lambda candidate: candidate.rank)
+
+
+@lru_cache(maxsize=2)
+def reasons(store: Store) -> Mapping[str, str]:
+    """By trial. One that was judged says which checks do not hold, by how much, or which could not be measured; others say
+    what the run said."""
+    ended = store.trials[["trial", "status", "reason"]].itertuples(index=False)
+    return {str(trial): _reason(str(status), str(reason), store.measured.get(trial, ())) for trial, status, reason in ended}
+
+
+def _reason(status: str, stored: str, measured: Sequence[Mapping[str, Any]]) -> str:
+    """A metric that a case checks twice has a number from the second on."""
+    seen: dict[str, int] = {}
+    broken, blind = [], []
+    for row in measured:
+        name = str(row["metric"])
+        seen[name] = seen.get(name, 0) + 1
+        title = metric_title(f"{name} #{seen[name]}" if seen[name] > 1 else name)
+        if pd.isna(row["passed"]):
+            blind += [title] * (not pd.isna(row["at_most"]))
+        elif not row["passed"]:
+            broken.append(f"{title} {_with_bound(row)}")
+    if status == "failed" and broken:
+        return "; ".join(broken)
+    if status == "passed" and blind:
+        return f"every check holds; not measurable: {', '.join(blind)}"
+    return stored
+
+
+def _with_bound(measured: Mapping[str, Any]) -> str:
+    """'0.25 m, bound 0.1 m'."""
+    unit = "" if measured["unit"] in (None, "", "1") else f" {unit_text(str(measured['unit']))}"
+    return f"{amount(measured['value'])}{unit}, bound {amount(measured['at_most'])}{unit}"
+
+
+def notices(store: Store, trial: str) -> list[str]:
+    """What an engine, its adapter or the harness had to say of a trial, in their words."""
+    return list(map(str, store.notices.get(trial, ())))

@@ -8,8 +8,8 @@ from typing import Any
 
 import pytest
 
-from plumbline import reports
 from plumbline.reports.html import report as html
+from plumbline.reports.html.report import write_report
 from plumbline.reports.page import pages
 from tests.small_studies import WRITTEN
 
@@ -157,10 +157,10 @@ def page_of(folder: Path, name: str) -> Path:
     """A page as it stands in the report of a run folder; the pages and pictures beside it are not made."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(html, "pages", lambda: tuple(one for one in pages() if one.name == name))
-        return reports.build(folder).index.with_name(f"{name}.html")
+        return write_report(folder).index.with_name(f"{name}.html")
 
 
 @pytest.fixture(scope="session")
 def plain(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The report of the quick study, which is only read."""
-    return reports.build(WRITTEN["quick"](tmp_path_factory.mktemp("plain") / "run")).index.parent
+    return write_report(WRITTEN["quick"](tmp_path_factory.mktemp("plain") / "run")).index.parent

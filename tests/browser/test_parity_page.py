@@ -6,8 +6,8 @@ from urllib.parse import urlsplit
 
 import pytest
 
-from plumbline import reports
 from plumbline.harness.store.imported_scenes import ParityRecord, ParitySide, write
+from plumbline.reports.standalone.parity import write_page
 
 pytestmark = pytest.mark.browser
 
@@ -46,7 +46,7 @@ def page(tmp_path_factory: pytest.TempPathFactory) -> Path:
     )
     record = ParityRecord(file=f"{NAME}.urdf", joints=7, root="floating", tolerance=1e-5, seed=0, sides=sides)
     write(folder, record)
-    return reports.parity_page(folder)
+    return write_page(folder)
 
 
 @pytest.mark.parametrize("scheme", ["light", pytest.param("dark", marks=pytest.mark.slow)])

@@ -6,8 +6,8 @@ from typing import Any
 import pandas as pd
 import pytest
 
-from plumbline import reports
 from plumbline.harness.store.store import Store
+from plumbline.reports.html.report import write_report
 from plumbline.reports.tables import published
 from tests.browser.audit import faults
 from tests.browser.test_every_page import axe
@@ -31,7 +31,7 @@ def test_the_section_can_be_read(
 ) -> None:
     dataset, run = write_two_runs(tmp_path, planted, only=("flight_projectile", "joint_pendulum", "stack_tower"))
     monkeypatch.setattr(published, "published", lambda: Store(dataset))
-    index = reports.build(run).index
+    index = write_report(run).index
     seen = visit(index, color_scheme=scheme, viewport={"width": width, "height": 900})
     section = seen.page.locator("#published")
     assert section.locator("tr.other-version").count() == 1

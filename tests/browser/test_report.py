@@ -8,8 +8,8 @@ from urllib.parse import unquote, urlsplit
 
 import pytest
 
-from plumbline import reports
 from plumbline.reports.html.policy import guarded
+from plumbline.reports.html.report import write_report
 from tests.browser.conftest import Visit
 from tests.run_folder import BAD_CASE, write_run_folder
 
@@ -19,7 +19,7 @@ pytestmark = pytest.mark.browser
 @pytest.fixture(scope="module")
 def hostile(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = write_run_folder(tmp_path_factory.mktemp("hostile") / "run", hostile=True, only=(BAD_CASE,))
-    return reports.build(folder).index.parent
+    return write_report(folder).index.parent
 
 
 def html_files(report: Path) -> list[Path]:

@@ -13,8 +13,8 @@ from typing import Any
 import pytest
 from PIL import Image
 
-from plumbline import reports
 from plumbline.reports.charts.marks import ENGINES
+from plumbline.reports.html.report import write_report
 from tests.browser.conftest import CHROMIUM, QUIET
 from tests.recorded_folder import Folder, record, rising, zoo
 
@@ -29,7 +29,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     made.add(record("rise", "mujoco"), scene, rising(scene, 2.0), rising(scene))
     made.add(record("<script>window.attacked=1</script>", "dart", status="crashed", reason="gone"))
     made.write(rise={"title": "Bodies that rise", "dt": 0.01})
-    reports.build(made.path)
+    write_report(made.path)
     (made.path.parent / "secret.html").write_text("secret")
     (made.path / "report" / ".hidden.html").write_text("secret")
     (made.path / "report" / "way_out.html").symlink_to(made.path.parent / "secret.html")

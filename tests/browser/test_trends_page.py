@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from plumbline.harness.history.regressions import read_trends
-from plumbline.reports import trends_page
+from plumbline.reports.standalone.trends import write_trends
 from tests.browser.conftest import width_on
 from tests.synthetic_history import write_history
 from tests.unit.test_trends import planted
@@ -17,7 +17,7 @@ pytestmark = pytest.mark.browser
 @pytest.fixture(scope="module")
 def page(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("trends")
-    return trends_page(read_trends(write_history(folder / "h", 16, planted)), folder / "out").index
+    return write_trends(read_trends(write_history(folder / "h", 16, planted)), folder / "out").index
 
 
 @pytest.mark.parametrize("scheme", ["light", pytest.param("dark", marks=pytest.mark.slow)])

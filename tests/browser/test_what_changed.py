@@ -8,7 +8,7 @@ import pytest
 
 from plumbline.harness.findings.changes import compare
 from plumbline.harness.store.store import Store
-from plumbline.reports import changes_page
+from plumbline.reports.standalone.what_changed import write_what_changed
 from tests.browser.conftest import width_on
 from tests.two_runs import write_two_runs
 
@@ -26,7 +26,7 @@ def planted(trials: pd.DataFrame, measurements: pd.DataFrame, samples: pd.DataFr
 def page(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("changed")
     changes = compare(*map(Store, write_two_runs(folder, planted)))
-    return changes_page(changes, folder / "out", ["dart"])
+    return write_what_changed(changes, folder / "out", ["dart"])
 
 
 @pytest.mark.parametrize("scheme", ["light", pytest.param("dark", marks=pytest.mark.slow)])

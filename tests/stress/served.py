@@ -17,13 +17,13 @@ __all__ = ["LONG", "SHORT", "BIG", "SECRET", "Served", "served_with", "everythin
 START = """
 import os, sys
 from pathlib import Path
-from plumbline import reports
+from plumbline.reports.server import serve
 from plumbline.reports.server import connections
 for limits in sys.argv[2:]:
     if os.fork() == 0:
         connections.HEAD_SECONDS, connections.PATIENCE, connections.SLOWEST = map(float, limits.split())
         # In one call, since the other one writes to the same pipe.
-        reports.serve(Path(sys.argv[1]), 0, lambda said: os.write(1, f"{limits};{os.getpid()};{said}\\n".encode()))
+        serve(Path(sys.argv[1]), 0, lambda said: os.write(1, f"{limits};{os.getpid()};{said}\\n".encode()))
         os._exit(0)
 for _ in sys.argv[2:]:
     os.wait()

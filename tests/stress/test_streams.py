@@ -13,7 +13,6 @@ from plumbline.harness.cli.guard import check_words
 from plumbline.harness.cli.main import main
 from plumbline.harness.findings.vendor_findings import Finding, ask
 from plumbline.harness.store.journal import Journal
-from plumbline.harness.store.store import Store
 from plumbline.reports.paper.printing import NotPrinted, _is_pdf, print_report
 from tests.stress.ledger import Page
 
@@ -163,7 +162,7 @@ def test_a_browser_that_prints_garbage_has_printed_nothing(
     for text in ("garbage", "", "%%PDF-1.7 cut short"):
         monkeypatch.setenv("TEXT", text)
         with pytest.raises(NotPrinted, match="ended with exit code 0 and no PDF"):
-            print_report(Store(folder), folder / "report", tmp_path / "out.pdf")
+            print_report(folder, tmp_path / "out.pdf")
         assert not (tmp_path / "out.pdf").exists()
         ledger.survived("browser", f"prints {text or 'nothing'}", "exit code 3, no file")
     assert not [path for path in (folder / "report").iterdir() if path.name.startswith(".print")]

@@ -9,10 +9,10 @@ from plumbline.harness.store.store import Store
 from plumbline.harness.study import plugins
 from plumbline.harness.study.study import load_study
 from plumbline.reports.pages import case, concepts
-from plumbline.reports.words.glossary import BOOK_PLACES, book, chapters, indexed
+from plumbline.reports.words.glossary import PLACES, book, chapters, indexed
 from tests.run_folder import write_run_folder
 
-SOURCE = BOOK_PLACES[1].read_text(encoding="utf-8")
+SOURCE = (PLACES[1] / "book.md").read_text(encoding="utf-8")
 
 
 @pytest.fixture(scope="module")
@@ -25,7 +25,7 @@ def test_every_row_of_the_chapters_is_a_concept_with_a_case_or_a_reason() -> Non
     made = [concept for chapter in book() for concept in chapter.concepts]
     assert [f"| {concept.name} |" for concept in made] == [re.match(r"\| [^|]+ \|", row)[0] for row in rows]  # type: ignore[index]
     assert all((concept.case in plugins.names("cases")) != bool(concept.without) for concept in made)
-    assert all((Path(BOOK_PLACES[1]).parents[1] / concept.file).is_file() for concept in made)
+    assert all((PLACES[1].parent / concept.file).is_file() for concept in made)
 
 
 def test_a_link_leads_to_a_page_and_a_chart_of_the_report_and_else_the_command_is_said(store: Store) -> None:

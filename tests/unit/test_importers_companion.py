@@ -8,11 +8,10 @@ import pytest
 from plumbline.harness.intake.error import RobotError
 from plumbline.harness.intake.import_wishes import Wishes, package_roots
 from plumbline.harness.scene import Drive, Surface
-from plumbline.harness.scene.file import dump_toml, parse
+from plumbline.harness.scene.file import TEMPLATE, dump_toml, parse
 from plumbline.harness.scene.importers.companion import Companion, Ground, JointWish, load_companion
 from plumbline.harness.scene.importers.reading import read
 from plumbline.harness.scene.importers.scenarios import CLEARANCE, HOLD_RATE, SWING
-from plumbline.harness.scene.importers.template import TEMPLATE
 from tests.robot_files import INERTIAL, imported, row, urdf
 
 SHAPED = f'{INERTIAL}<collision><geometry><sphere radius="0.1"/></geometry></collision>'
@@ -135,9 +134,9 @@ def test_a_package_is_a_name_and_a_folder_that_is_there(tmp_path: Path) -> None:
 
 
 def test_our_own_scenes_are_read_as_they_are(tmp_path: Path) -> None:
-    (tmp_path / "own.toml").write_text(TEMPLATE)
+    (tmp_path / "own.toml").write_text(TEMPLATE.read_text())
     got = read(tmp_path / "own.toml")
-    assert got.scene == parse(TEMPLATE, "own.toml")
+    assert got.scene == parse(TEMPLATE.read_text(), "own.toml")
     assert got.fidelity == ()
     (tmp_path / "own.plumb.toml").write_text('root = "fixed"')
     with pytest.raises(RobotError, match="root in its companion file is for robot files"):

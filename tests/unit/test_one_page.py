@@ -7,10 +7,10 @@ from pathlib import Path
 import pytest
 
 from plumbline.harness.store.store import Store
-from plumbline.reports import build, print_report
 from plumbline.reports.html import report as html
+from plumbline.reports.html.report import write_report
 from plumbline.reports.page import pages as registered
-from plumbline.reports.paper.printing import NotPrinted, Sheet, browser, joined
+from plumbline.reports.paper.printing import NotPrinted, Sheet, browser, joined, print_report
 from tests.conftest import Command
 from tests.links import texts_of
 from tests.run_folder import BAD_CASE, write_run_folder
@@ -94,7 +94,7 @@ def test_a_folder_named_from_here_is_printed(tmp_path: Path, monkeypatch: pytest
     write_run_folder(tmp_path / "run", only=("stack_tower",))
     monkeypatch.setenv("PLUMBLINE_CHROMIUM", str(program))
     monkeypatch.chdir(tmp_path)
-    build(Path("run"))
+    write_report(Path("run"))
     printed_to = print_report(Path("run"))
     assert printed_to == Path("run/report/report.pdf")
     assert printed_to.read_text().startswith(f"%PDF-{(tmp_path / 'run' / 'report').as_uri()}/.print.")

@@ -36,12 +36,13 @@ from plumbline.harness.store.store import Store
 from plumbline.harness.study import plugins
 from plumbline.harness.study.experiment import Refinement
 from plumbline.harness.study.study import Study, study_of
-from plumbline.reports import build, write_recordings
 from plumbline.reports.html import report as html
+from plumbline.reports.html.report import write_report
 from plumbline.reports.page import pages
 from plumbline.reports.pages.scene import PAGE, answers_of
 from plumbline.reports.pictures import answer_pictures
 from plumbline.reports.pictures.case_pictures import sight
+from plumbline.reports.recordings import write_recordings
 from tests.in_process import clocked_by, in_this_process
 from tests.known_prices import LAWS, PLUGINS
 from tests.links import dangling
@@ -169,7 +170,7 @@ def test_the_run_ends_with_verdicts_and_never_with_a_bare_passed(thrown: Done) -
 def test_the_page_is_as_good_as_the_others(thrown: Done, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(html, "pages", lambda: tuple(page for page in pages() if page.name in (PAGE.name, "case", "index")))
     write_recordings(thrown.store.folder)
-    report = build(thrown.store.folder).index.parent
+    report = write_report(thrown.store.folder).index.parent
     (page,) = report.glob("case-*.html")
     text = page.read_text()
     assert "<h1>My thrown ball</h1>" in text

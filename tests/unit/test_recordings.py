@@ -19,8 +19,8 @@ from plumbline.harness.scene import (
 from plumbline.harness.store.store import Store
 from plumbline.harness.trajectory import Contacts, Trajectory
 from plumbline.harness.trajectory.kinematics import angle_between
-from plumbline.reports import write_recordings
 from plumbline.reports.charts.marks import ENGINES
+from plumbline.reports.recordings import write_recordings
 from plumbline.reports.recordings.blueprint import layout
 from plumbline.reports.recordings.bodies import truth_at
 from plumbline.reports.recordings.camera import framed, framing

@@ -11,7 +11,7 @@ import rerun.blueprint as rrb
 from PIL import Image
 
 from plumbline.harness.store.store import Store
-from plumbline.reports import write_recordings
+from plumbline.reports.recordings import write_recordings
 from plumbline.reports.recordings.blueprint import layout
 from plumbline.reports.recordings.camera import framing
 from plumbline.reports.recordings.pixels import srgb

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from plumbline.harness.store.journal import StoreError
-from plumbline.reports import open_viewer, recording_of
+from plumbline.reports.recordings import recording_of
+from plumbline.reports.recordings.viewer import open_viewer
 from tests.recorded_folder import Folder, Read, record, rising, zoo
 
 STATUSES = ("passed", "failed", "diverged", "unsupported", "unavailable", "timeout", "crashed", "oom", "interrupted")

@@ -21,6 +21,7 @@ from plumbline.harness.store.seal import sealed_toml
 from plumbline.harness.store.store import Store
 from plumbline.reports.html import report as html
 from plumbline.reports.html.policy import guarded
+from plumbline.reports.html.report import write_report
 from plumbline.reports.page import Page, Rendered, pages
 from tests.links import texts_of
 from tests.recorded_folder import Folder, record
@@ -45,7 +46,7 @@ class Markup(HTMLParser):
 @pytest.fixture(scope="module")
 def report(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = write_run_folder(tmp_path_factory.mktemp("html") / "run", hostile=True, only=("joint_pendulum", BAD_CASE))
-    return reports.build(folder).index.parent
+    return write_report(folder).index.parent
 
 
 def test_the_report_has_a_page_for_each_case_and_every_asset_beside_it(report: Path) -> None:
@@ -142,10 +143,10 @@ def only_index(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.usefixtures("only_index")
 def test_a_second_build_replaces_the_first_and_leaves_no_draft(tmp_path: Path) -> None:
     folder = write_run_folder(tmp_path / "run", only=("joint_pendulum",))
-    report = reports.build(folder).index.parent
+    report = write_report(folder).index.parent
     (report / "stale.html").write_text("old")
     before = (report / "index.html").read_bytes()
-    reports.build(folder)
+    write_report(folder)
     assert (report / "index.html").read_bytes() == before
     assert not (report / "stale.html").exists()
     assert not [path for path in folder.iterdir() if path.name.startswith(".report")]
@@ -203,7 +204,7 @@ def test_a_picture_is_drawn_while_the_page_that_hands_it_on_is_still_made(
 
 def test_a_report_that_cannot_be_made_leaves_the_old_one_untouched(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(html, "pages", lambda: (FIRST,))
-    report = reports.build(write_run_folder(tmp_path / "run", only=("joint_pendulum",))).index.parent
+    report = write_report(write_run_folder(tmp_path / "run", only=("joint_pendulum",))).index.parent
     before = (report / "index.html").read_bytes()
 
     def broken(_failures: object) -> str:
@@ -211,7 +212,7 @@ def test_a_report_that_cannot_be_made_leaves_the_old_one_untouched(tmp_path: Pat
 
     monkeypatch.setattr(html, "script_file", broken)
     with pytest.raises(RuntimeError, match="no bundle"):
-        reports.build(report.parent)
+        write_report(report.parent)
     assert (report / "index.html").read_bytes() == before
 
 
@@ -240,12 +241,12 @@ def test_pages_are_found_by_walking_the_folder_and_stand_in_their_order() -> Non
 
 def test_a_folder_without_a_run_is_refused_by_name(tmp_path: Path) -> None:
     with pytest.raises(StoreError, match=re.escape(str(tmp_path))):
-        reports.build(tmp_path)
+        write_report(tmp_path)
 
 
 def test_a_run_that_was_stopped_before_its_first_trial_has_a_report(tmp_path: Path) -> None:
     (tmp_path / "journal.jsonl").write_bytes(b"")
-    assert "holds no trial" in reports.build(tmp_path).index.read_text(encoding="utf-8")
+    assert "holds no trial" in write_report(tmp_path).index.read_text(encoding="utf-8")
 
 
 def test_importing_reports_loads_no_chart_library() -> None:

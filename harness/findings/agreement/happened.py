@@ -6,11 +6,12 @@ from dataclasses import dataclass
 from plumbline.harness.findings.agreement.values import Agreement, Side, Word
 from plumbline.harness.findings.agreement.words import angle_words, called, distance_words, length, listed, up_to
 from plumbline.harness.findings.once import once
+from plumbline.harness.findings.spoken import SPOKEN
 from plumbline.harness.scene import Scene
 from plumbline.harness.scene.file import parse
 from plumbline.harness.store.store import Store
 from plumbline.harness.trajectory import Trajectory
-from plumbline.harness.trajectory.events import ANGLES, MOVED, Event, Kind, Touched, happened, size_of
+from plumbline.harness.trajectory.events import ANGLES, MOVED, Event, Touched, happened, size_of
 
 _END = 0.01
 """Of the run: a time so near its end is the end, and none is named."""
@@ -77,27 +78,6 @@ def _unlike(event: Event, other: Event, duration: float, scene: Scene) -> bool:
     return abs(event.value - other.value) > max(least, ALIKE * max(event.value, other.value))
 
 
-_WORDS: Mapping[Kind, str] = {
-    "passed through": "passes through '{other}' at {time}",
-    "bounced": "bounces {times}, first by {value} at {time}",
-    "collided": "collides with '{other}' at {time}",
-    "left the ground": "leaves the ground at {time}, by {value} at most",
-    "fell off": "falls off '{other}' at {time}, by {value}",
-    "tipped": "tips over at {time}",
-    "rolled": "rolls away by {value}",
-    "slid": "slides by {value}",
-    "moved": "moves by {value}",
-    "sank": "sinks by {value}",
-    "rocked": "rocks over by {value}",
-    "swung": "swings to and fro by {value} about '{other}', turning back {times}",
-    "shuttled": "goes to and fro by {value} along '{other}', turning back {times}",
-    "turned": "turns by {value} about '{other}'",
-    "shifted": "goes by {value} along '{other}'",
-    "hit the stop": "hits the stop of '{other}' at {time}",
-    "at rest": "is at rest from {time} on",
-}
-
-
 def event_words(event: Event) -> str:
     """'bounces 9 times, first by 245 mm at 0.32 s'."""
     if event.kind == "at rest" and event.time == 0.0:
@@ -107,7 +87,7 @@ def event_words(event: Event) -> str:
     if event.kind == "collided" and (event.count > 1 or not event.other):
         first, other = f"{times}, first " if event.count > 1 else "", f"with '{event.other}' " if event.other else ""
         return f"collides {first}{other}at {event.time:.3g} s"
-    return _WORDS[event.kind].format(other=event.other, time=f"{event.time:.3g} s", value=value, times=times)
+    return str(SPOKEN["happened"][event.kind]).format(other=event.other, time=f"{event.time:.3g} s", value=value, times=times)
 
 
 def body_words(events: Sequence[Event]) -> str:
@@ -146,7 +126,9 @@ def _differing(base: Sequence[Event], events: Sequence[Event]) -> str:
     other = [event for event in events if (event.body, event_words(event)) not in shared]
     lacks = [event for key, event in keys.items() if key not in own]
     words = [body_words(other)] if other else []
-    return _first_few([*words, *(f"'{event.body}' {_LACKING[event.kind].format(other=event.other)}" for event in lacks)])
+    return _first_few(
+        [*words, *(f"'{event.body}' {SPOKEN['lacking'][event.kind].format(other=event.other)}" for event in lacks)]
+    )
 
 
 def end_words(groups: Sequence[Happened], store: Store, agreement: Agreement, titles: Mapping[str, str]) -> list[str]:
@@ -172,35 +154,7 @@ def end_words(groups: Sequence[Happened], store: Store, agreement: Agreement, ti
     return [f"Smaller steps no longer agree with each other on {'; on '.join(parts)}."] if parts else []
 
 
-_LACKING: Mapping[Kind, str] = {
-    "passed through": "does not pass through '{other}'",
-    "bounced": "does not bounce",
-    "collided": "does not collide",
-    "left the ground": "does not leave the ground",
-    "fell off": "does not fall off '{other}'",
-    "tipped": "does not tip over",
-    "rolled": "does not roll away",
-    "slid": "does not slide",
-    "moved": "does not move away",
-    "sank": "does not sink",
-    "rocked": "does not rock over",
-    "swung": "does not swing to and fro about '{other}'",
-    "shuttled": "does not go to and fro along '{other}'",
-    "turned": "does not turn about '{other}'",
-    "shifted": "does not go along '{other}'",
-    "hit the stop": "does not hit the stop of '{other}'",
-    "at rest": "is not at rest at the end",
-}
-
-
-SO_FAR: Mapping[Word, str] = {
-    "agrees": "together",
-    "converges elsewhere": "apart",
-    "converges": "settling, each by itself",
-    "does not converge": "not settled yet",
-    "diverged": "diverged",
-    "cannot": "without an answer",
-}
+SO_FAR: dict[Word, str] = SPOKEN["so_far"]
 COLUMNS = ("scene", "engine", "track", "so far", "up to", "moved by the last halving", "away")
 
 

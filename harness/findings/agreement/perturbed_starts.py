@@ -15,6 +15,7 @@ import numpy as np
 from plumbline.harness.case.starts import TOLERANCE as BUILT
 from plumbline.harness.findings.agreement.values import Agreement
 from plumbline.harness.findings.parameter_words import substeps_of
+from plumbline.harness.findings.spoken import SPOKEN
 from plumbline.harness.scene import Scene
 from plumbline.harness.scene.file import parse
 from plumbline.harness.search.own_limits import ANSWERED, TOLERANCE, place_of
@@ -27,16 +28,7 @@ from plumbline.harness.trajectory.parting import Extent, apart, common
 
 _STATES = ("time", "p_WB", "q_WB", "v_WB", "w_WB")
 
-LAWS: Mapping[str, str] = {
-    "energy_gain_max": "energy won",
-    "angular_momentum_drift_max": "angular momentum lost",
-    "joint_gap_max": "joint gap",
-    "limit_overshoot_max": "beyond joint limits",
-    "penetration": "depth",
-    "signorini_residual": "contacts that pull",
-    "cone_residual": "friction beyond its cone",
-    "dissipation_residual": "friction off its direction",
-}
+LAWS: Mapping[str, str] = SPOKEN["laws"]
 """Metrics, and what they are called in a sentence."""
 OBSERVED = ("signorini_residual", "cone_residual", "dissipation_residual")
 """Shown and not judged: a blow is thousands of weights within a step, and a ten-thousandth of it more than a hundredth of

@@ -11,20 +11,13 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
+from plumbline.harness.findings.spoken import SPOKEN
 from plumbline.harness.intake.error import PlumblineError
 
 if TYPE_CHECKING:
     from plumbline.harness.store.store import Store
 
-CRITERIA: Mapping[str, str] = {
-    "accuracy": "1 up to the error asked for, 0 from ten times it on, on a log scale; other checks by their bounds",
-    "speed": "at the error asked for if steps on both sides of it were run, else of the cheapest run that passes all checks "
-    "(without one, of the most accurate); 1 for the fastest engine, 0 for a hundredth of its speed",
-    "limits": "how far a case can be made harder before it breaks, from easy (0) to extreme (1)",
-    "robustness": "the share of runs with an answer, of three runs of a case or more: none diverged, crashed or hung",
-    "determinism": "the share of repetitions with the same bits, of those that must have them",
-    "capability": "the share of cases that the engine can express",
-}
+CRITERIA: Mapping[str, str] = SPOKEN["criteria"]
 """By name, what each is measured by."""
 
 

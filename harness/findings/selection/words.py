@@ -7,21 +7,12 @@ from plumbline.harness.findings.selection.choose import EXPRESSED, Answer
 from plumbline.harness.findings.selection.decide import WhatTurns
 from plumbline.harness.findings.selection.rank import DRAWS
 from plumbline.harness.findings.selection.wish import CRITERIA, Dropped
+from plumbline.harness.findings.spoken import SPOKEN
 
 Titled = Callable[[str], str]
 """From a name to what people call it."""
 
-SENTENCES: Mapping[str, str] = {
-    "first": "{engine} is first in {share} of resamples; {second} is second.",
-    "open": "No clear winner: {engine} is first in {share} of resamples, {others}.",
-    "expresses": "{engine} is the only engine that can express {scenes}, of {asked} asked: there is no contest.",
-    "left": "{engine} is the only engine left, of {asked} asked: there is no contest.",
-    "single": "{engine} alone was asked: there is no contest.",
-    "none": "No engine is left that there is evidence of.",
-    "unknown": "There is no evidence of these cases.",
-    "few": "Only {cases}: treat the percentages as rough.",
-    "expressed": "{engine} is left out: it can express no scene that counts.",
-}
+SENTENCES: Mapping[str, str] = SPOKEN["sentences"]
 """What the first sentence can be, and what follows it; the script of the page on selection fills in the same ones."""
 COLUMN_WORDS = (
     f"First in: the share of {DRAWS} resamples (cases, timings and weights drawn anew) in which it leads; places go by it.",

@@ -16,8 +16,9 @@ from typing import Any
 
 import numpy as np
 
-from plumbline.harness.findings.columns import Column, Table, names, outcome, side
+from plumbline.harness.findings.columns import Column, Table, names, outcome, plain, side
 from plumbline.harness.findings.once import all_once
+from plumbline.harness.findings.spoken import SPOKEN
 from plumbline.harness.store.journal import NotKept
 from plumbline.harness.store.store import Store
 from plumbline.harness.trajectory import Floats
@@ -169,12 +170,7 @@ def broken(judged: Iterable[Repetition], engines: Collection[str]) -> list[str]:
     ]
 
 
-_WAYS = {
-    "again": "run again",
-    "alone": "with nothing beside it",
-    "restored": "from a saved state",
-    "reordered": "with bodies in another order",
-}
+_WAYS = SPOKEN["ways"]
 """What a repetition is called in a sentence; of another number of threads by that."""
 
 
@@ -214,8 +210,7 @@ TABLE = Table(
         Column("way", "way"),
         Column("verdict", lambda row: outcome(row, 50)),
         Column("first step that differs", lambda row: "" if row.first_step is None else f"{row.first_step} of {row.steps}"),
-        Column("farthest", "farthest", ".2g", " m"),
-        Column("doubles in", "doubles_in", ".3g", " s"),
+        *plain("farthest=farthest:.2g m", "doubles in=doubles_in:.3g s"),
     ),
     sentences=sentences,
 )

@@ -28,9 +28,6 @@ def _sentences(rows: Sequence[Mapping[str, Any]]) -> list[str]:
 TABLE = Table(
     holds=" ".join(("robot", *fidelity.COLUMNS)),
     objects=lambda store: fidelity_of(store.folder),
-    shown=(
-        Column("robot", "robot"),
-        *(_column(position, heading) for position, heading in enumerate(fidelity.BRIEF)),
-    ),
+    shown=(Column("robot", "robot"), *(_column(position, heading) for position, heading in enumerate(fidelity.BRIEF))),
     sentences=_sentences,
 )

@@ -18,10 +18,12 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from plumbline.harness.findings.columns import Column, Table, at, scene
+from plumbline.harness.findings.columns import Column, Table, at, plain, scene
 from plumbline.harness.findings.cost_point import BlockSample, Clock, SampledBlock, ratio_in_blocks, samples_by_block
 from plumbline.harness.findings.emulations import share_in_words
+from plumbline.harness.findings.once import once
 from plumbline.harness.findings.parameter_words import called, differing, other_values, said, substeps_taken
+from plumbline.harness.findings.spoken import SPOKEN
 from plumbline.harness.statistics.interval import Interval
 from plumbline.harness.statistics.order import FEWEST, Order, fit_order
 from plumbline.harness.store.rows import finite
@@ -171,12 +173,7 @@ def whole(sweep: Sweep) -> Sweep:
     unit, name = WHOLE[sweep.unit]
     kept = [{n: v for n, v in row.parameters.items() if n != sweep.parameter} for row in sweep.rows]
     rows = [
-        replace(
-            row,
-            unit=unit,
-            parameters=others | {name: row.units},
-            cpu=row.cpu and row.cpu.times(row.units),
-        )
+        replace(row, unit=unit, parameters=others | {name: row.units}, cpu=row.cpu and row.cpu.times(row.units))
         for row, others in zip(sweep.rows, kept, strict=True)
     ]
     return replace(sweep, unit=unit, parameter=name, rows=tuple(sorted(rows, key=lambda row: row.units)))
@@ -194,13 +191,7 @@ def no_worse(own: Cost, other: Cost) -> bool:
 
 _REASON = 64
 """Characters of why a priced run failed; what an engine could not hold comes first, and the whole is in the CSV."""
-CLOCKED = {
-    "work": "step alone",
-    "reading": "step and reading",
-    "call": "empty call",
-    "casting": "bare rays",
-    "sensing": "sensing",
-}
+CLOCKED = SPOKEN["clocked"]
 """What runs under the clock, in the words that set the rows apart."""
 
 
@@ -401,10 +392,10 @@ def _micro(value: float) -> str:
 
 
 def _given(trials: pd.DataFrame) -> list[dict[str, Any]]:
-    """The parameters of trials; two more say what was clocked and in how many processes, where that is not the plain step."""
+    """The parameters of trials; two more say what was clocked and in how many processes, where that is no plain step."""
     given: list[dict[str, Any]] = [json.loads(text) for text in trials["parameters"]]
-    for name, column, plain in (("clocked", "clocks", "work"), ("workers", "workers", 1)):
-        if column in trials and (trials[column] != plain).any():
+    for name, column, as_it_is in (("clocked", "clocks", "work"), ("workers", "workers", 1)):
+        if column in trials and (trials[column] != as_it_is).any():
             given = [
                 parameters | {name: CLOCKED.get(value, value)} for parameters, value in zip(given, trials[column], strict=True)
             ]
@@ -416,17 +407,17 @@ def _size(value: Any) -> tuple[int, float, str]:
     return (0, float(value), "") if isinstance(value, int | float) else (1, 0.0, str(value))
 
 
+scaling_of = once(Scaling)
+
 TABLE = Table(
     # 'cost' rows and 'exponent' rows share the columns; what a row has not is None, and so an exponent not known.
     holds="row case where engine track unit cpu_s(cpu_low_s,cpu_high_s)=cpu to_fastest.. reference.. reference_setting "
     "penetration_m=penetration residual_m_s=residual error error_metric best exponent.. unstable status reason dt substeps "
     "trial clocks workers units to_plain.. rate_per_s=rate efficiency.. emulated",
-    objects=lambda store: Scaling(store).rows,
+    objects=lambda store: scaling_of(store).rows,
     shown=(
         Column("scene", scene),
-        Column("engine", "engine"),
-        Column("setting", "track"),
-        Column("a", "unit"),
+        *plain("engine", "setting=track", "a=unit"),
         Column("costs", _costs),
         Column("x fastest", "to_fastest.value", ".3g"),
         Column(

@@ -17,6 +17,7 @@ from plumbline.harness.findings.agreement.omissions import omissions
 from plumbline.harness.findings.agreement.setting_causes import settings_turned
 from plumbline.harness.findings.agreement.values import Agreement, Side
 from plumbline.harness.findings.columns import Column, Table, names, plain
+from plumbline.harness.findings.once import once
 from plumbline.harness.store.store import Store
 from plumbline.harness.store.zoo_record import InEngine, Stage, ZooEntry, entries
 
@@ -66,6 +67,7 @@ class InZoo:
     omission_until: float | None = None
 
 
+@once
 def in_zoo(store: Store) -> list[InZoo]:
     """All robots of a zoo with all engines; nothing of a folder that is none's."""
     taken_in = list(entries(store.folder))
@@ -174,10 +176,7 @@ TABLE = Table(
         *plain("robot", "engine"),
         Column("dropped", lambda row: row.dropped or row.needed),
         Column("verdict", _verdict),
-        Column("away", "away", ".2g"),
-        Column("cost", "cost", ".2g"),
-        *plain("cause"),
-        Column("omission", "omission", ".2g", " m"),
+        *plain("away=away:.2g", "cost=cost:.2g", "cause", "omission=omission:.2g m"),
     ),
     sentences=_sentences,
 )

@@ -135,11 +135,7 @@ def _carried(scalars: Sequence[Coordinate], law: str, element: str) -> list[Fide
 def _armature(scalars: Sequence[Coordinate], held: Mapping[str, float]) -> list[Fidelity]:
     shares = {c.name: c.armature / held[c.name] for c in scalars if c.armature > 0}
     worst = max(shares, key=lambda name: shares[name], default="")
-    words = (
-        f"joints turn more readily than with their rotors; the inertia about '{worst}', the others held, should be greater by "
-        "a factor of"
-    )
-    return Fidelity.left_out("armature", list(shares), words, value=1 + shares.get(worst, 0.0), unit="1")
+    return Fidelity.told("armature", list(shares), 1 + shares.get(worst, 0.0), worst=worst)
 
 
 def _dry(scalars: Sequence[Coordinate]) -> list[Fidelity]:
@@ -176,26 +172,10 @@ def _added(without: Sequence[Massive], held: Mapping[str, float]) -> tuple[str, 
 
 def _between(bodies: Sequence[Massive], held: Mapping[str, float]) -> list[Fidelity]:
     worst, value = _added([body for body in bodies if not body.between], held)
-    return Fidelity.approximated(
-        "several joints of a link",
-        "",
-        "a chain of bodies with a hundredth of the link's own mass at most, where the axes meet",
-        count=sum(body.between for body in bodies),
-        consequence=f"a moment of inertia that the robot does not have; about '{worst}', the others held, its share is",
-        value=value,
-        unit="1",
-    )
+    return Fidelity.told("several joints of a link", "", value, count=sum(body.between for body in bodies), worst=worst)
 
 
 def _stated(bodies: Sequence[Massive], held: Mapping[str, float]) -> list[Fidelity]:
     stated = [body for body in bodies if body.stated]
     worst, value = _added([body for body in bodies if not body.stated], held)
-    return Fidelity.approximated(
-        "link without mass",
-        "",
-        f"a ball of {stated[0].mass:g} kg, as the companion file states",
-        count=len(stated),
-        consequence=f"inertia that the robot does not have; about '{worst}', the others held, its share is",
-        value=value,
-        unit="1",
-    )
+    return Fidelity.told("link without mass", "", value, count=len(stated), mass=stated[0].mass, worst=worst)

@@ -120,9 +120,7 @@ def in_pieces(scene: Scene, most: int, where: str, tell: Callable[[str], object]
         bodies.append(_shaped(body, tuple(shapes)) if body.name in counts else body)
     if not counts:
         return scene, []
-    becomes = f"{sum(counts.values())} convex pieces by CoACD, at most {most} a mesh"
-    words = "contacts where the mesh is hollow; the pieces' volumes together exceed a closed mesh's by at most"
-    rows = Fidelity.approximated("collision mesh", list(counts), becomes, consequence=words, value=excess, unit="1")
+    rows = Fidelity.told("mesh in pieces", list(counts), excess, pieces=sum(counts.values()), most=most)
     return replace(scene, bodies=tuple(bodies)), rows
 
 

@@ -1,7 +1,9 @@
 """What became of a robot file: its scene, and of each element one typed row, no sentence that anybody reads back."""
 
+import tomllib
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
+from pathlib import Path
 from typing import Any, Literal
 
 from plumbline.harness.intake.error import listed
@@ -10,6 +12,7 @@ from plumbline.harness.scene import PlacedShape, Scene
 Outcome = Literal["exact", "approximated", "left_out"]
 """Carried over as it is; as something else, with an error; not at all."""
 Names = str | tuple[str, ...] | list[str]
+FATES: dict[str, list[Any]] = tomllib.loads(Path(__file__).with_name("fidelity.toml").read_text(encoding="utf-8"))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -53,6 +56,13 @@ class Fidelity:
     def left_out(cls, element: str, names: Names, consequence: str, **fields: Any) -> "list[Fidelity]":
         """What is not carried over."""
         return cls.of("left_out", element, names, consequence=consequence, **fields)
+
+    @classmethod
+    def told(cls, fate: str, names: Names, value: float | None = None, count: int = 1, **holes: Any) -> "list[Fidelity]":
+        """The row of a fate that fidelity.toml tells, what is in its braces filled in."""
+        outcome, element, *texts = FATES[fate]
+        unit, becomes, consequence = (text.format(**holes) for text in texts)
+        return cls.of(outcome, element, names, becomes, consequence=consequence, value=value, unit=unit, count=count)
 
 
 COLUMNS = ("element", "name", "count", "outcome", "becomes", "consequence", "value", "unit")

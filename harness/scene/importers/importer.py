@@ -2,8 +2,9 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 if TYPE_CHECKING:
     from plumbline.harness.scene.importers.companion import Companion
@@ -42,3 +43,8 @@ class Importer:
     title: str
     endings: tuple[str, ...]
     read: Callable[[Path, Reading], "Robot"]
+
+
+def late(name: str) -> Callable[[Path, Reading], "Robot"]:
+    """The `read` of a module of this folder, imported when it is called: endings are asked for more often than robots."""
+    return lambda path, reading: cast("Robot", import_module(f"plumbline.harness.scene.importers.{name}").read(path, reading))

@@ -164,12 +164,7 @@ def _disabled(
     pairs = [(a, b) for a, b in contacts.excluded if shapes[a] and shapes[b]]
     lost = [f"{a}/{b}" for a, b in pairs if owner[a] != owner[b] and meet(a, b)]
     rows += Fidelity.exact("exclude", [f"{a}/{b}" for a, b in pairs if f"{a}/{b}" not in lost], "a pair that never touches")
-    rows += Fidelity.approximated(
-        "exclude",
-        lost,
-        "a pair that touches",
-        consequence="a body that is made of several links has one material: they touch, since others of them may",
-    )
+    rows += Fidelity.told("exclude", lost)
     if robot.collide:
         return rows
     joined = [
@@ -191,31 +186,13 @@ def _disabled(
 def _rows(robot: Robot, companion: Companion, assumed: list[str], mixed: list[str], spread: float) -> list[Fidelity]:
     rows = []
     if assumed:
-        rows += Fidelity.approximated(
-            "friction",
-            assumed,
-            "static and kinetic friction assumed",
-            consequence="neither the file nor its companion says one; [[surfaces]] says it",
-            value=ASSUMED_FRICTION,
-            unit="1",
-        )
+        rows += Fidelity.told("friction assumed", assumed, ASSUMED_FRICTION)
     if mixed:
-        rows += Fidelity.approximated(
-            "contact",
-            mixed,
-            "one material for each body, the one that touches most and rubs most",
-            consequence="shapes of one body differ in what they touch or how they rub, in friction by up to",
-            value=spread,
-            unit="1",
-        )
+        rows += Fidelity.told("contact of several materials", mixed, spread)
     if robot.dropped.takes("self_collision") and (robot.contacts is not None or companion.self_collision):
-        rows += Fidelity.left_out(
-            "self-collision", "", "self collision was dropped by the user: the robot's links pass through each other"
-        )
+        rows += Fidelity.told("self-collision dropped", "")
     elif robot.contacts is None and not companion.self_collision and any(link.geometries for link in robot.links):
-        rows += Fidelity.left_out(
-            "self-collision", "", "the robot's links pass through each other; self_collision = true lets them touch"
-        )
+        rows += Fidelity.told("self-collision off", "")
     return rows
 
 
@@ -225,12 +202,10 @@ def one_friction(surfaces: tuple[Surface, ...]) -> tuple[tuple[Surface, ...], li
     if not changed:
         return surfaces, []
     slips = all(law.kinetic_friction for law in changed)
-    rows = Fidelity.approximated(
-        "surface",
+    rows = Fidelity.told(
+        "static friction",
         ["/".join(law.between) for law in changed],
-        "one friction, the kinetic one",
-        consequence="what stands slips at a smaller force; static friction over kinetic was up to",
-        value=max(law.static_friction / law.kinetic_friction for law in changed) if slips else None,
+        max(law.static_friction / law.kinetic_friction for law in changed) if slips else None,
         unit="1" if slips else "",
     )
     return tuple(replace(law, static_friction=law.kinetic_friction) for law in surfaces), rows

@@ -142,11 +142,4 @@ def simplified(hull: ConvexHull) -> tuple[ConvexHull, float]:
 
 def coarser(off: Mapping[str, float]) -> list[Fidelity]:
     """The row of hulls that are given fewer corners than they have. Args: off: by how much [m], by whose they are."""
-    return Fidelity.approximated(
-        "collision hull",
-        list(off),
-        f"a hull of {MOST_CORNERS} of its corners",
-        consequence="the others lie outside of its faces, by at most",
-        value=max(off.values(), default=None),
-        unit="m",
-    )
+    return Fidelity.told("corners of a hull", list(off), max(off.values(), default=None), most_corners=MOST_CORNERS)

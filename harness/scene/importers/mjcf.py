@@ -14,30 +14,30 @@ from plumbline.harness.intake.documents import named
 from plumbline.harness.intake.error import RobotError, listed
 from plumbline.harness.intake.near_miss import did_you_mean
 from plumbline.harness.intake.safe_text import quoted, readable
-from plumbline.harness.scene.importers import (
-    mjcf_actuators,
-    mjcf_contacts,
-    mjcf_sensors,
-    mjcf_shapes,
-)
+from plumbline.harness.scene.importers import mjcf_actuators, mjcf_sensors, mjcf_shapes, urdf
 from plumbline.harness.scene.importers.companion import Cameras
 from plumbline.harness.scene.importers.fidelity import Fidelity
-from plumbline.harness.scene.importers.files import Folders
+from plumbline.harness.scene.importers.files import text_of
+from plumbline.harness.scene.importers.importer import Reading
 from plumbline.harness.scene.importers.mjcf_model import Model, compile_apart
 from plumbline.harness.scene.importers.mjcf_text import Prepared, prepared
 from plumbline.harness.scene.importers.poses import Array, Pose, matrix, pose
 from plumbline.harness.scene.importers.robot import Closure, Coordinate, Kind, Link, Need, Robot, Solid, Tie
-from plumbline.harness.scene.importers.xml_text import Element
+from plumbline.harness.scene.importers.xml_text import elements
 
 _KINDS: dict[str, Kind] = {"hinge": "revolute", "slide": "prismatic", "ball": "ball", "free": "free"}
 
 
-def read(path: Path, root: Element, folders: Folders, keyframe: str | None = None, cameras: Cameras | None = None) -> Robot:
-    """The robot of an MJCF file whose text is read. Args: keyframe: the pose of the start. Raises: RobotError."""
-    text = prepared(root, folders)
-    model = compile_apart(text, named(path))
+def read(path: Path, reading: Reading) -> Robot:
+    """The robot of an MJCF file, or of a URDF with its ending. Raises: RobotError."""
+    where = named(path)
+    root = elements(text_of(path, where), where)
+    if root.tag == "robot":
+        return urdf.read(path, reading)
+    text = prepared(root, reading.folders)
+    model = compile_apart(text, where)
     name = readable(root.attributes.get("model", ""), 100) or path.stem
-    return robot_of(model, text, name, named(path), keyframe, cameras)
+    return robot_of(model, text, name, where, reading.companion.keyframe, reading.companion.cameras)
 
 
 def robot_of(
@@ -51,7 +51,7 @@ def robot_of(
     for k, own in enumerate(names[1:], 1):
         if own == "world":
             names[k] = f"body_{k}"
-    shapes, contacts, rows = mjcf_contacts.read(model, names)
+    shapes, contacts, rows = mjcf_shapes.contact_laws(model, names)
     servos, pulls, more, needs = mjcf_actuators.read(model, start.ctrl)
     rows += more
     solids = mjcf_shapes.geometries(model, shapes, rows, needs)
@@ -94,6 +94,7 @@ def robot_of(
         sensors=(*sensors, *seen),
         rows=tuple(rows),
         needs=tuple(needs),
+        wordless=frozenset({"speed"}),
         source=source,
     )
 
@@ -253,12 +254,7 @@ def _closures(model: Model, names: list[str], rows: list[Fidelity], needs: list[
                 R_AB=matrix(data[6:10]) if word == "weld" else None,
             )
         )
-    rows += Fidelity.approximated(
-        "equality",
-        [closure.name for closure in closures],
-        "joints as each engine makes them",
-        consequence="softness of the file's own solref and solimp is not carried over",
-    )
+    rows += Fidelity.told("equality", [closure.name for closure in closures])
     return closures
 
 
@@ -322,18 +318,6 @@ def _beside(model: Model, text: Prepared, cords: Container[int]) -> list[Fidelit
     rows += Fidelity.approximated("mocap body", held, "a static body", consequence="nothing moves it from outside")
     soft = [model.name("joint", k) for k in range(len(model.jnt_limited)) if model.jnt_limited[k]]
     if soft and not model.flag("limit"):
-        rows += Fidelity.approximated(
-            "range",
-            soft,
-            "limits as each engine makes them",
-            consequence="how far a joint gives at its end is each engine's own, not the file's solref and solimp; "
-            "margins are left out",
-        )
-    rows += Fidelity.left_out(
-        "option",
-        "",
-        "time step, integrator and solver are settings of a run and no part of a scene; the file's time step is",
-        value=float(model.opt_timestep),
-        unit="s",
-    )
+        rows += Fidelity.told("range", soft)
+    rows += Fidelity.told("option", "", float(model.opt_timestep))
     return rows

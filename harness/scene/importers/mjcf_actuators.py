@@ -78,12 +78,7 @@ def read(model: Model, ctrl: Array) -> tuple[Servos, Servos, list[Fidelity], lis
             servos[kind][number] = servo
     rows = Fidelity.exact("actuator", driven["joint"], "drive of its joint")
     rows += Fidelity.exact("actuator", driven["tendon"], "drive of its tendon")
-    rows += Fidelity.left_out(
-        "actuator",
-        idle,
-        "a motor without a command has no force; a keyframe's ctrl is one, and so is a joint's feedforward "
-        "in the companion file",
-    )
+    rows += Fidelity.told("idle actuator", idle)
     return servos["joint"], servos["tendon"], rows, Need.of("actuator", "actuator", strange)
 
 

@@ -132,14 +132,7 @@ def _camera_rows(made: list[str], left: list[str], asked: Cameras | None) -> lis
     rows = []
     if made:
         assert asked is not None
-        rows += Fidelity.approximated(
-            "camera",
-            made,
-            "a pinhole camera",
-            consequence="the file states no rate, and a camera without a resolution has the companion's; read at",
-            value=asked.rate,
-            unit="Hz",
-        )
+        rows += Fidelity.told("camera", made, asked.rate)
     if left:
         why = "it follows or aims at a body, or is no plain pinhole; it moves nothing" if asked is not None else _NOT_CARRIED
         rows += Fidelity.left_out("camera", left, why)

@@ -19,12 +19,7 @@ from plumbline.harness.scene.importers.xml_text import Element, elements
 MESHES = (".stl", ".obj", ".msh")
 _TEXTS = frozenset(("name", "class", "childclass", "dclass", "file", "content", "prefix", "model", "user", "data"))
 """Attributes in which 'nan' and 'inf' may be words."""
-_REMOVED = {
-    "texture": "pictures",
-    "skin": "skins",
-    "visual": "the look of the viewer",
-    "statistic": "the view of the viewer",
-}
+_REMOVED = {"texture": "pictures", "skin": "skins", "visual": "the look of the viewer", "statistic": "the view of the viewer"}
 _NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
 _STRANGE = re.compile(r"[+-]?(?:nan|inf|infinity)", re.IGNORECASE)
 _SUFFIX = re.compile(r"\.[A-Za-z0-9]{1,8}")

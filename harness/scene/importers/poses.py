@@ -1,6 +1,7 @@
 """Rigid poses as a matrix and a vector: a frame B in a frame A by R_AB, shape (3, 3), and p_AB [m], shape (3,)."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Annotated, TypeAlias
 
@@ -81,6 +82,17 @@ def quaternion(R: Array) -> Quaternion:
         q[1 + m] = r[m][i] + r[i][m]
     s = (-1.0 if q[0] < 0 else 1.0) / math.sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
     return (q[0] * s, q[1] * s, q[2] * s, q[3] * s)
+
+
+def rolled(angles: "Sequence[float] | Array") -> Array:
+    """R = Rz(yaw) Ry(pitch) Rx(roll) of roll, pitch and yaw [rad] about fixed axes, (3, 3), without negative zeros."""
+    (sr, sp, sy), (cr, cp, cy) = np.sin(angles), np.cos(angles)
+    R = [
+        [cp * cy, sp * (sr * cy) - cr * sy, sp * (cr * cy) + sr * sy],
+        [cp * sy, sp * (sr * sy) + cr * cy, sp * (cr * sy) - sr * cy],
+        [-sp, cp * sr, cp * cr],
+    ]
+    return np.array(R) + 0.0
 
 
 def vector(v: Array) -> Vector3:

@@ -8,7 +8,7 @@ after the other, each about an axis that the ones before it have moved:
 A link without coordinates is fixed to its parent.
 """
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from itertools import chain
 from pathlib import Path
@@ -275,6 +275,21 @@ class Robot:
         """The robot with each coordinate changed."""
         links = (replace(link, coordinates=tuple(map(change, link.coordinates))) for link in self.links)
         return replace(self, links=tuple(links))
+
+
+def parents_first(parent: Mapping[str, str], roots: Iterable[str]) -> list[str]:
+    """All that hangs on these roots and the roots themselves, parents before children, each branch to its end.
+
+    Args: parent: by the name of each link that hangs on another one.
+    """
+    below: dict[str, list[str]] = {}
+    for child, above in parent.items():
+        below.setdefault(above, []).append(child)
+    order, waiting = list[str](), [*roots][::-1]
+    while waiting:
+        order.append(waiting.pop())
+        waiting += reversed(below.get(order[-1], ()))
+    return order
 
 
 def symmetric(tensor: Array) -> Matrix3:

@@ -8,22 +8,13 @@ import numpy as np
 
 from plumbline.harness.intake.error import RobotError
 from plumbline.harness.intake.import_wishes import Scenario, Wishes
-from plumbline.harness.scene import (
-    Body,
-    Distance,
-    Fixed,
-    PlacedShape,
-    Plane,
-    Scene,
-    Vector3,
-)
+from plumbline.harness.scene import Body, Distance, Fixed, PlacedShape, Plane, Scene, Vector3
 from plumbline.harness.scene.importers.companion import Companion, Ground
 from plumbline.harness.scene.importers.consequences import Massive, inertias
 from plumbline.harness.scene.importers.fidelity import Fidelity
 from plumbline.harness.scene.importers.robot import Coordinate, Robot, Servo
-from plumbline.harness.scene.motion import Sinusoid
-from plumbline.harness.scene.rotation import multiply, rotate, rotation_matrix
-from plumbline.harness.scene.support import support
+from plumbline.harness.scene.motion import Sinusoid, multiply, rotate, rotation_matrix
+from plumbline.harness.scene.shape import support
 
 CLEARANCE = 0.1
 """How high above the ground the lowest point of what is dropped starts [m]."""
@@ -175,14 +166,12 @@ def swept(robot: Robot, poses: Sequence[Sequence[Massive]]) -> Robot:
     names = {c.name for c in moving}
     driven = held_by_drives(robot, poses, names if robot.closures else None)
     frequencies = {c.name: _frequency(c, _reach(c)[1]) for c in moving}
-    slow = Fidelity.exact(
-        "sweep",
+    slow = Fidelity.told(
+        "slower sweep",
         [name for name, frequency in frequencies.items() if frequency < FREQUENCY],
-        "a slower sinusoid",
-        consequence=f"no faster than the joint may be, nor than {FASTEST:g} rad/s or {FASTEST / 10:g} m/s; the slowest "
-        "goes there and back at",
-        value=min(frequencies.values(), default=FREQUENCY),
-        unit="Hz",
+        min(frequencies.values(), default=FREQUENCY),
+        fastest=FASTEST,
+        slide=FASTEST / 10,
     )
     return driven.each(lambda c: _swept(c) if c.name in names else c).told(slow)
 

@@ -20,7 +20,7 @@ from plumbline.harness.scene.importers.fidelity import Fidelity
 from plumbline.harness.scene.importers.files import text_of
 from plumbline.harness.scene.importers.importer import Reading
 from plumbline.harness.scene.importers.poses import IDENTITY, Array, Pose
-from plumbline.harness.scene.importers.robot import Coordinate, Link, Need, Robot, Solid, Tie
+from plumbline.harness.scene.importers.robot import Coordinate, Link, Need, Robot, Solid, Tie, parents_first
 from plumbline.harness.scene.importers.sdf_frames import ITSELF, Scope
 from plumbline.harness.scene.importers.sdf_grammar import VERSIONS, flag, number, numbers, word
 from plumbline.harness.scene.importers.sdf_sensors import Sensors
@@ -76,12 +76,11 @@ def read(path: Path, reading: Reading) -> Robot:
         if excess := beyond(kind, count):
             raise model.refuse(excess)
     held = {} if flag(model, "static") else _held(joints, links)
+    parents = {name: joint.scope.link_of(word(joint.element, "parent"), joint.element) for name, joint in held.items()}
     collisions, sensors, needs = Collisions(reading, flag(model, "self_collide")), Sensors(), list[Need]()
     robot_links, mounted = [Link(name=WORLD, parent=None, where=model.where)], list[Sensor]()
-    for name in _from_the_world(links, held):
-        placed = links[name]
-        joint = held.get(name)
-        parent = WORLD if joint is None else joint.scope.link_of(word(joint.element, "parent"), joint.element)
+    for name in _from_the_world(links, parents):
+        placed, joint, parent = links[name], held.get(name), parents.get(name, WORLD)
         X_WL, X_WP = placed.pose(), IDENTITY if parent == WORLD else links[parent].pose()
         free = joint is None and not flag(model, "static")
         X_ML = placed.scope.pose_of(placed.element.attributes["name"], placed.element)
@@ -200,19 +199,12 @@ def _held(joints: list[_Placed], links: dict[str, _Placed]) -> dict[str, _Placed
     return held
 
 
-def _from_the_world(links: dict[str, _Placed], held: dict[str, _Placed]) -> list[str]:
+def _from_the_world(links: dict[str, _Placed], parents: dict[str, str]) -> list[str]:
     """The links, parents before children. Raises: RobotError, where joints go round in a circle."""
-    below: dict[str, list[str]] = {}
-    for child, joint in held.items():
-        below.setdefault(joint.scope.link_of(word(joint.element, "parent"), joint.element), []).append(child)
-    order, waiting = list[str](), [*reversed([*below.get(WORLD, []), *(name for name in links if name not in held)])]
-    while waiting:
-        name = waiting.pop()
-        order.append(name)
-        waiting += reversed(below.get(name, []))
-    lost = [name for name in links if name not in order] if len(order) < len(links) else []
-    if lost:
-        raise links[lost[0]].element.refuse("hangs in a circle of joints, expected a tree")
+    order = parents_first(parents, [WORLD, *(name for name in links if name not in parents)])[1:]
+    if len(order) < len(links):
+        lost = next(placed for name, placed in links.items() if name not in order)
+        raise lost.element.refuse("hangs in a circle of joints, expected a tree")
     return order
 
 
@@ -337,9 +329,7 @@ def _rows(left: sdf_grammar.SdfLeft, others: list[str], links: dict[str, _Placed
         rows += Fidelity.left_out(tag, owners, sdf_grammar.why(tag))
     for label, owners in left.unknown.items():
         rows += Fidelity.left_out(label, owners, "no word of SDF, and near none that changes the motion")
-    rows += Fidelity.left_out(
-        "model", others, "it stands still beside the robot; [ground] of the companion file makes a ground"
-    )
+    rows += Fidelity.told("other models", others)
     alone = [name for name, placed in links.items() if flag(placed.element, "self_collide")]
     rows += Fidelity.left_out("self_collide", alone, "the model says whether its links touch each other, and not one of them")
     return rows

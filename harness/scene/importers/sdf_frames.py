@@ -11,7 +11,7 @@ import numpy as np
 
 from plumbline.harness.intake.error import listed
 from plumbline.harness.intake.safe_text import quoted
-from plumbline.harness.scene.importers.poses import IDENTITY, Pose, pose
+from plumbline.harness.scene.importers.poses import IDENTITY, Pose, pose, rolled
 from plumbline.harness.scene.importers.sdf_grammar import numbers, word
 from plumbline.harness.scene.importers.xml_text import Element
 
@@ -139,13 +139,7 @@ def _stated(element: Element) -> Pose:
     elif form == "euler_rpy":
         values = numbers(element, counts=(6,)) or ()
         angles = np.radians(values[3:]) if element.attributes.get("degrees", "").lower() in ("true", "1") else values[3:]
-        (sr, sp, sy), (cr, cp, cy) = np.sin(angles), np.cos(angles)
-        R = [
-            [cp * cy, sp * (sr * cy) - cr * sy, sp * (cr * cy) + sr * sy],
-            [cp * sy, sp * (sr * sy) + cr * cy, sp * (cr * sy) - sr * cy],
-            [-sp, cp * sr, cp * cr],
-        ]
-        stated_pose = Pose(np.array(R) + 0.0, np.array(values[:3]) + 0.0)
+        stated_pose = Pose(rolled(angles), np.array(values[:3]) + 0.0)
     else:
         raise element.refuse(f"rotation_format is {quoted(form, 40)}, expected euler_rpy or quat_xyzw")
     if not np.isfinite(stated_pose.p).all() or not np.isfinite(stated_pose.R).all():

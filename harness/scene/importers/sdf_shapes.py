@@ -148,17 +148,9 @@ class Collisions:
         laws += [Surface.rough(sort.friction, (key, ground), restitution=sort.restitution) for sort, key in self._sorts.items()]
         rows = list[Fidelity]()
         if self._sorts:
-            words = (
-                "of a pair Gazebo takes the smaller friction; a ground that the companion file makes has the robot's own, up to"
-            )
             most = max(sort.friction for sort in self._sorts)
-            becomes = "friction of pairs"
-            rows += Fidelity.approximated(
-                "surface", list(self._sorts.values()), becomes, consequence=words, value=most, unit="1"
-            )
-        rows += Fidelity.left_out(
-            "collide_without_contact, collide_bitmask", self._apart, "it touches nothing, as the file says"
-        )
+            rows += Fidelity.told("friction of pairs", list(self._sorts.values()), most)
+        rows += Fidelity.told("shape that touches nothing", self._apart)
         rows += Fidelity.left_out("mu2", self._other_way, "friction is alike both ways, by the first number")
         if not self._self_collide and self._sorts:
             rows += Fidelity.exact("self_collide", list(self._sorts.values()), "links that pass through each other")

@@ -196,13 +196,8 @@ def _inside(c: Coordinate, position: float, rows: list[Fidelity]) -> float:
     lower, upper = (position if bound is None else bound for bound in (c.lower, c.upper))
     nearest = min(max(position, lower), upper)
     if nearest != position:
-        rows += Fidelity.approximated(
-            "start",
-            c.name,
-            f"{nearest:.6g}, the bound of its range",
-            consequence="the robot's own start lies outside its range, by",
-            value=abs(nearest - position),
-            unit="rad" if c.kind == "revolute" else "m",
+        rows += Fidelity.told(
+            "start at the bound", c.name, abs(nearest - position), nearest=nearest, unit="rad" if c.kind == "revolute" else "m"
         )
     return nearest
 
@@ -212,15 +207,7 @@ def _outside(c: Coordinate, rows: list[Fidelity]) -> None:
     assert c.position is not None
     beyond = max(low - c.position if low is not None else 0.0, c.position - high if high is not None else 0.0)
     if beyond > 0:
-        rows += Fidelity.exact(
-            "start",
-            c.name,
-            f"{c.position:.6g}, outside the range",
-            consequence="engines push it back at once, a kick at t = 0, in most of them the harder the smaller the step, "
-            "so that no limit is reached; --start inside begins at the bound, --start middle within; outside by",
-            value=beyond,
-            unit="rad" if c.kind == "revolute" else "m",
-        )
+        rows += Fidelity.told("start outside", c.name, beyond, position=c.position, unit="rad" if c.kind == "revolute" else "m")
 
 
 def _servo(c: Coordinate, wish: JointWish, companion: Companion, motion: Motion | None) -> Servo | None:

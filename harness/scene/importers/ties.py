@@ -40,12 +40,12 @@ def tied(robot: Robot) -> Robot:
         here = c.reference if c.position is None else c.position
         moved[c.name] = replace(c, position=position, velocity=velocity)
         if abs(position - here) > MOVED * max(1.0, abs(here)):
-            rows += Fidelity.approximated(
-                "start",
+            rows += Fidelity.told(
+                "start beside its tie",
                 c.name,
-                f"{position:.6g}, where its tie to '{c.tie.joint}' puts it",
-                consequence="the start that the file or its companion gives lies beside the tie, by",
-                value=abs(position - here),
+                abs(position - here),
+                position=position,
+                joint=c.tie.joint,
                 unit="rad" if c.kind == "revolute" else "m",
             )
     if not moved:

@@ -36,11 +36,7 @@ def suspected(robot: Robot, units: Units | None) -> list[Fidelity]:
     strength = 0.0 if robot.gravity is None else float(np.linalg.norm(robot.gravity))
     if units is not None or strength <= SUSPECT:
         return []
-    words = (
-        "the file probably counts in another unit of length: [units] length = 0.01, mass = 0.001 for centimetres and grams; "
-        "its gravity is"
-    )
-    return Fidelity.exact("gravity", "", "read in m/s2", consequence=words, value=strength, unit="m/s2")
+    return Fidelity.told("gravity", "", strength)
 
 
 @dataclass(frozen=True, slots=True)

@@ -34,12 +34,12 @@ def read(path: Path, reading: Reading) -> Robot:
     for kind, tag in (("bodies", "link"), ("joints", "joint")):
         if excess := beyond(kind, len(checked.all(tag))):
             raise checked.refuse(f"<{tag}>: {excess}")
-    urdf_grammar.check_tree(checked)
+    order = urdf_grammar.check_tree(checked)
     shapes = urdf_shapes.Shapes(reading.folders, reading.companion.density, reading.convex, reading.tell)
     links = {link.attributes["name"]: link for link in checked.all("link")}
     joints = {end_of(joint, "child"): joint for joint in checked.all("joint")}
     materials = {material.attributes.get("name"): material for material in checked.all("material")}
-    read = {name: _link(links[name], joints.get(name), shapes, materials) for name in _from_the_root(links, joints)}
+    read = {name: _link(links[name], joints.get(name), shapes, materials) for name in order}
     read, needs = _tied(read, checked.all("joint"))
     rows = [*shapes.rows(), *_rows(checked.all("joint"), left)]
     root_name = next(iter(read))
@@ -58,18 +58,6 @@ def _number(element: Element | None, name: str, default: float | None = None) ->
     """The number of an attribute, if the element is there and has it."""
     values = None if element is None else numbers(element, name)
     return default if values is None else values[0]
-
-
-def _from_the_root(links: dict[str, Element], joints: dict[str, Element]) -> list[str]:
-    below: dict[str, list[str]] = {}
-    for child, joint in joints.items():
-        below.setdefault(end_of(joint, "parent"), []).append(child)
-    order, waiting = [], [next(name for name in links if name not in joints)]
-    while waiting:
-        name = waiting.pop()
-        order.append(name)
-        waiting += reversed(below.get(name, []))
-    return order
 
 
 def _link(link: Element, joint: Element | None, shapes: urdf_shapes.Shapes, materials: dict[str | None, Element]) -> Link:

@@ -13,6 +13,7 @@ from types import MappingProxyType
 from plumbline.harness.intake.near_miss import did_you_mean, misspelt
 from plumbline.harness.intake.safe_text import quoted, readable
 from plumbline.harness.intake.typed_fields import LARGEST, wrong_size
+from plumbline.harness.scene.importers.robot import parents_first
 from plumbline.harness.scene.importers.xml_text import Element
 
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
@@ -265,8 +266,11 @@ def _check_signs(element: Element, name: str, values: tuple[float, ...]) -> None
         raise element.refuse(f"{name} is {quoted(element.attributes[name])}, expected {expected}")
 
 
-def check_tree(root: Element) -> None:
-    """One root, every joint between links that there are, every name once, no cycle. Raises: RobotError."""
+def check_tree(root: Element) -> list[str]:
+    """The links, parents before children: one root, every joint between links that there are, every name once, no cycle.
+
+    Raises: RobotError.
+    """
     links, joints = root.all("link"), root.all("joint")
     if not links:
         raise root.refuse("has no <link>, expected at least one")
@@ -297,17 +301,10 @@ def check_tree(root: Element) -> None:
     if len(roots) > 1:
         shown = ", ".join(f"{quoted(name, 60)} (line {names[name].line})" for name in roots[:4])
         raise names[roots[1]].refuse(f"{len(roots)} links hang on no joint: {shown}; expected one root")
-    below: dict[str, list[str]] = {}
-    for child, joint in holder.items():
-        below.setdefault(end_of(joint, "parent"), []).append(child)
-    reached, waiting = {roots[0]}, [roots[0]]
-    while waiting:
-        fresh = [name for name in below.get(waiting.pop(), ()) if name not in reached]
-        reached.update(fresh)
-        waiting += fresh
-    lost = [name for name in names if name not in reached]
-    if lost:
+    order = parents_first({child: end_of(joint, "parent") for child, joint in holder.items()}, roots)
+    if lost := [name for name in names if name not in set(order)] if len(order) < len(names) else []:
         raise names[lost[0]].refuse(f"hangs in a circle of joints with {len(lost) - 1} other links; expected a tree")
+    return order
 
 
 def end_of(joint: Element, tag: str) -> str:

@@ -13,7 +13,7 @@ from plumbline.harness.scene.importers.decomposition import pieces_of
 from plumbline.harness.scene.importers.fidelity import Fidelity
 from plumbline.harness.scene.importers.files import Folders
 from plumbline.harness.scene.importers.meshes import coarser, hull_of, load_mesh, simplified
-from plumbline.harness.scene.importers.poses import IDENTITY, Array, Pose
+from plumbline.harness.scene.importers.poses import IDENTITY, Array, Pose, rolled
 from plumbline.harness.scene.importers.robot import Geometry, Look, Solid
 from plumbline.harness.scene.importers.solids import moved, of_mesh, of_shape, together
 from plumbline.harness.scene.importers.urdf_grammar import numbers
@@ -157,21 +157,11 @@ class Shapes:
             )
         rows += coarser(self._coarser)
         for why, links in self._missing.items():
-            rows += Fidelity.left_out(
-                "collision mesh", links, f"{why}: nothing touches these shapes, masses and joints stay as they are"
-            )
+            rows += Fidelity.told("mesh not read", links, why=why)
         for links, word in ((self._filled, "mass and inertia"), (self._spread, "inertia")):
-            rows += Fidelity.approximated(
-                "inertial", links, f"{word} of the collision shapes, filled evenly", consequence="the file gives none"
-            )
+            rows += Fidelity.told("inertia of shapes", links, word=word)
         if self._drawn:
-            rows += Fidelity.left_out(
-                "visual",
-                "",
-                "pictures and cameras see what collides",
-                count=self._drawn,
-                becomes="the collision shapes are drawn",
-            )
+            rows += Fidelity.told("visual", "", count=self._drawn)
         return rows
 
 
@@ -182,15 +172,7 @@ def pose_of(element: Element) -> Pose:
         return IDENTITY
     xyz, rpy = (numbers(origin, name, (3,)) or (0.0, 0.0, 0.0) for name in ("xyz", "rpy"))
     p = np.array(xyz) + 0.0  # no zero with a sign
-    if not any(rpy):
-        return Pose(IDENTITY.R, p)
-    (sr, sp, sy), (cr, cp, cy) = np.sin(rpy), np.cos(rpy)
-    R = [
-        [cp * cy, sp * (sr * cy) - cr * sy, sp * (cr * cy) + sr * sy],
-        [cp * sy, sp * (sr * sy) + cr * cy, sp * (cr * sy) - sr * cy],
-        [-sp, cp * sr, cp * cr],
-    ]
-    return Pose(np.array(R) + 0.0, p)
+    return Pose(rolled(rpy) if any(rpy) else IDENTITY.R, p)
 
 
 def _form(element: Element) -> Element:

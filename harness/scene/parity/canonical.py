@@ -285,6 +285,5 @@ def turned_alike(a: Canonical, b: Canonical) -> Canonical:
         if other is not None and max(abs(plane[2].axis @ slide.axis) for slide in other[:2]) <= _ACROSS:
             turned |= {joint.name: replace(slide, axis=joint.axis) for joint, slide in zip(plane[:2], other[:2], strict=True)}
     return replace(
-        b,
-        links=tuple(replace(link, coordinates=tuple(turned.get(c.name, c) for c in link.coordinates)) for link in b.links),
+        b, links=tuple(replace(link, coordinates=tuple(turned.get(c.name, c) for c in link.coordinates)) for link in b.links)
     )

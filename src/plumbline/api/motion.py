@@ -115,7 +115,7 @@ class Run:
         from plumbline.harness.store.store import write_json
         from plumbline.harness.store.stored_tables import write_tables
         from plumbline.harness.study.catalogue import describe_case, describe_engine
-        from plumbline.reports import write_recordings
+        from plumbline.reports.recordings import write_recordings
 
         self._arrays  # noqa: B018  # says why there is nothing to show
         folder = Path(self._folder.name)
@@ -126,7 +126,7 @@ class Run:
 
     def show(self) -> None:
         """Show the run in the rerun viewer until its window is closed. Raises: PlumblineError, if no window can open here."""
-        from plumbline.reports import open_viewer
+        from plumbline.reports.recordings.viewer import open_viewer
 
         path = self.recording()
         if open_viewer(path):

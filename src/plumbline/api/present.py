@@ -10,9 +10,10 @@ if TYPE_CHECKING:
 def present(store: "Store", recordings: bool) -> "WrittenReport":
     """Write what people look at: summary, recordings, report."""
     from plumbline.harness.findings.summary import write_summary
-    from plumbline.reports import build, write_recordings
+    from plumbline.reports.html.report import write_report
+    from plumbline.reports.recordings import write_recordings
 
     write_summary(store)
     if recordings:
         write_recordings(store.folder)
-    return build(store.folder)
+    return write_report(store.folder)

@@ -74,7 +74,8 @@ class Results:
 
         Raises: PlumblineError, where there is no recording of it, or no window can open here.
         """
-        from plumbline.reports import open_viewer, recording_of
+        from plumbline.reports.recordings import recording_of
+        from plumbline.reports.recordings.viewer import open_viewer
 
         path = recording_of(self.folder, case)
         if open_viewer(path):
@@ -82,9 +83,9 @@ class Results:
 
     def report(self) -> Path:
         """Write the HTML report anew from what is stored; returns its first page."""
-        from plumbline.reports import build
+        from plumbline.reports.html.report import write_report
 
-        return build(self.folder).index
+        return write_report(self.folder).index
 
 
 @checked

@@ -57,7 +57,7 @@ def ends_with_laws(trees: Trees) -> bool:
 
 @kernel
 def mark_stiff_columns(trees: Trees, dt: float) -> None:
-    """Write IMPLICIT for all joints from the present state, by the criterion of `constrain.stiffness`."""
+    """Write IMPLICIT for all joints from the present state, by the bounds of `constrain.coordinate`."""
     kind, column, joint, joint_kind = trees.kind, trees.column, trees.joints.joint, trees.joints.kind
     move_links(trees)
     for i in range(kind.shape[0]):

@@ -18,12 +18,11 @@ LIBRARY = {
 """Of NumPy: what asks a library of linear algebra, or functions whose last bits go with the processor's instructions."""
 EXCEPTIONS = {
     "engine/respond/exact": "the exact solver keeps LAPACK: it certifies its answer to a tolerance, and promises no bits",
-    "engine/respond/events.py": "a solver of its own for balls, whose roots are those of polynomials",
     "engine/build/polyhedra.py": "Quickhull says which corners make a facet, a choice and not a number: SciPy's hulls",
     "engine/images/eye.py": "up to where a lens is one to one: a root of a cubic, of pictures and of no state",
 }
 """Where such things may stand, and why. Outside of WHOLE only the names of SciPy are let in."""
-WHOLE = ("engine/respond/exact", "engine/respond/events.py", "engine/images/eye.py")
+WHOLE = ("engine/respond/exact", "engine/images/eye.py")
 
 
 def calls(tree: ast.AST) -> Iterator[tuple[int, str]]:

@@ -9,7 +9,7 @@ import math
 from plumbline.engine.compile.jit import kernel
 from plumbline.engine.maths.rows import Mat, Vec, store3
 from plumbline.engine.maths.vec import add, axpy, cross, dot, neg, norm, scale, sub, tmat_vec
-from plumbline.engine.narrow.clip_features import Plane, cut_off, flatten, put_polygon
+from plumbline.engine.narrow.clip_features import Plane, cut_off, flatten, put_polygon, reaches_over
 from plumbline.engine.narrow.point import Points, put_point
 from plumbline.engine.narrow.solid import Solid, column, face_corner, largest
 
@@ -135,8 +135,8 @@ def face_face(reference: Solid, incident: Solid, code: int, n: Vec, margin: floa
     for side in range(4):
         way = 1.0 if side % 2 == 0 else -1.0
         line = (way, 0.0, hr[one]) if side < 2 else (0.0, way, hr[two])
-        left = cut_off(out, base, count, 16 - base, line, near, 8 + 2 * side)
-        if left >= 0:
-            base, count = 16 - base, left
+        if reaches_over(out.polygon, base, count, line, near):
+            count = cut_off(out, base, count, 16 - base, line, near, 8 + 2 * side)
+            base = 16 - base
     marker = 32 * (2 * (3 * code + facing) + (1 if sign > 0.0 else 0))
     return put_polygon(out, base, count, plane, 0.0, margin, row, marker)

@@ -7,7 +7,7 @@ Convex Polyhedra, GDC 2013.
 import math
 from typing import NamedTuple
 
-from plumbline.engine.compile.jit import kernel
+from plumbline.engine.compile.jit import inlined, kernel
 from plumbline.engine.maths.rows import Floats, Vec, load3, store3
 from plumbline.engine.maths.vec import axpy, cross, dot, perpendicular, sub
 from plumbline.engine.narrow.point import Points, put_point
@@ -44,19 +44,24 @@ def copy_corner(out: Points, corner: int, to: int) -> None:
     out.polygon_key[to, 0] = out.polygon_key[corner, 0]
 
 
+@inlined
+def reaches_over(polygon: Floats, base: int, count: int, line: Vec, near: float) -> bool:
+    """Whether a corner lies farther than `near` [m] beyond the line. Args: as of `cut_off`."""
+    over = False
+    for k in range(base, base + count):
+        over = over or line[0] * polygon[k, 0] + line[1] * polygon[k, 1] - line[2] > near
+    return over
+
+
 @kernel
 def cut_off(out: Points, base: int, count: int, into: int, line: Vec, near: float, feature: int) -> int:
     """Cut a polygon, or two corners as a segment, by the line a x + b y = c, and keep what lies before it.
 
     Args: base, count: the rows of the polygon; into: where the rest is written; line: (a, b, c), a and b of unit length; near
     [m]: corners so little beyond the line stay; feature: of the corner where the polygon comes back, one more where it leaves.
-    Returns: the corners of the rest; -1 where nothing is cut off, and nothing written.
+    Returns: the corners of the rest.
     """
-    polygon, kept, cut = out.polygon, 0, False
-    for k in range(base, base + count):
-        cut = cut or line[0] * polygon[k, 0] + line[1] * polygon[k, 1] - line[2] > near
-    if not cut:
-        return -1
+    polygon, kept = out.polygon, 0
     for c in range(count):
         a, b = base + c, base + (c + 1) % count
         da = line[0] * polygon[a, 0] + line[1] * polygon[a, 1] - line[2]
@@ -152,9 +157,10 @@ def clip_features(sides: int, count: int, n: Vec, radius: float, margin: float, 
         (ax, ay, _), (bx, by, _) = load3(polygon, side, 0), load3(polygon, (side + 1) % sides, 0)
         length = math.sqrt((bx - ax) * (bx - ax) + (by - ay) * (by - ay))
         a, b = (by - ay) / length, (ax - bx) / length
-        left = cut_off(out, base, count, into, (a, b, a * ax + b * ay), ON_SIDE * size, CROSSING + 2 * side)
-        if left >= 0:
-            base, into, count = into, base, left
+        line = (a, b, a * ax + b * ay)
+        if reaches_over(polygon, base, count, line, ON_SIDE * size):
+            count = cut_off(out, base, count, into, line, ON_SIDE * size, CROSSING + 2 * side)
+            base, into = into, base
     return put_polygon(out, base, count, plane, radius, margin, row, marker)
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from plumbline.harness.store.store import Store, write_json
 from plumbline.reports.charts.step_costs import growths
-from plumbline.reports.pages.scaling import render
+from plumbline.reports.pages.scaling import PAGE
 from tests.charts import checked
 from tests.links import texts_of
 from tests.run_folder import write_run_folder
@@ -36,7 +36,7 @@ def test_the_chart_and_the_table_state_the_same_exponents_and_leave_out_the_same
     (chart,) = growths(scattered._store, scattered)
     texts = [row["label"] for rows in chart.spec["datasets"].values() for row in rows if "exponent" in str(row.get("label"))]
     assert {text.split(":")[0] for text in dict.fromkeys(texts)} == {"ours (ours)", "near"}
-    table = str(render(scattered._store)["scaling.html"]).split('id="exponents"')[1].split("</section>")[0]
+    table = str(PAGE.render(scattered._store)["scaling.html"]).split('id="exponents"')[1].split("</section>")[0]
     rows = [row for row in table.split("<tr>")[2:] if "</tr>" in row]
     assert [("not known" in row, ">theirs<" in row) for row in rows] == [(False, False), (False, False), (True, True)]
 
@@ -46,12 +46,12 @@ def test_the_axis_of_a_sweep_says_what_the_parameter_counts(scaling: Scaling) ->
     titles = {layer["encoding"]["x"].get("title") for layer in chart.spec["layer"] if "title" in layer["encoding"]["x"]}
     assert titles == {"number of balls"}
     assert chart.columns[0] == "number of balls"
-    assert "over the number of balls from 10 to" in str(render(scaling._store)["scaling.html"])
+    assert "over the number of balls from 10 to" in str(PAGE.render(scaling._store)["scaling.html"])
 
 
 def test_reading_calling_and_sharing_have_tables_of_their_own(beside: Scaling) -> None:  # noqa: F811
     write_json(beside._store.folder / "machine.json", {"cores": 2})
-    page = render(beside._store)["scaling.html"]
+    page = PAGE.render(beside._store)["scaling.html"]
     for words in ('id="beside"', 'id="shared"', "step whose state is read", "call that takes no step", "this machine lent 2"):
         assert words in page
     assert "1.2" in page.split('id="beside"')[1]
@@ -59,7 +59,7 @@ def test_reading_calling_and_sharing_have_tables_of_their_own(beside: Scaling) -
 
 
 def test_without_such_rows_there_are_no_such_tables(scaling: Scaling) -> None:  # noqa: F811
-    page = render(scaling._store)["scaling.html"]
+    page = PAGE.render(scaling._store)["scaling.html"]
     assert 'id="beside"' not in page
     assert 'id="shared"' not in page
 

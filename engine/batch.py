@@ -14,13 +14,7 @@ from plumbline.engine.memory import arena as at
 from plumbline.engine.memory.status import CONVEX_PENDING, DIVERGED, FULL, OPEN_JOINT, UNSOLVED
 from plumbline.engine.options import GAUSS_SEIDEL
 from plumbline.engine.steps.choice import Kernels, load_collide
-from plumbline.engine.steps.many_worlds import (
-    address_of_collide,
-    address_of_search,
-    address_of_step,
-    advance_worlds,
-    advance_worlds_parallel,
-)
+from plumbline.engine.steps.many_worlds import COLLIDE, SEARCH, STEP, address_of, advance_worlds, advance_worlds_parallel
 from plumbline.engine.world import World
 
 LINE = 8
@@ -87,7 +81,7 @@ class Batch:
             while self._advance(kernels, which):
                 states = self._status[which]
                 if (states == CONVEX_PENDING).any() and kernels.moving_meshes not in self._collide:
-                    self._collide[kernels.moving_meshes] = address_of_collide(load_collide(kernels.moving_meshes))
+                    self._collide[kernels.moving_meshes] = address_of(load_collide(kernels.moving_meshes), COLLIDE)
                 self._grow([int(k) for k in which[states == FULL]])
                 which = which[(states == FULL) | (states == CONVEX_PENDING)]
         lost = np.flatnonzero(np.isin(self._status, (DIVERGED, UNSOLVED)) | (self._status >= OPEN_JOINT))
@@ -162,7 +156,7 @@ class Batch:
 def _addresses(kernels: Kernels) -> tuple[Any, Any, Any]:
     """Where the step, the search and the test of its pairs lie; 0 for what there is none of."""
     return (
-        address_of_step(kernels.step),
-        0 if kernels.find_pairs is None else address_of_search(kernels.find_pairs),
-        0 if kernels.drop_apart is None else address_of_collide(kernels.drop_apart),
+        address_of(kernels.step, STEP),
+        0 if kernels.find_pairs is None else address_of(kernels.find_pairs, SEARCH),
+        0 if kernels.drop_apart is None else address_of(kernels.drop_apart, COLLIDE),
     )

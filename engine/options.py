@@ -1,8 +1,9 @@
 """How a world is solved."""
 
 from dataclasses import dataclass
+from typing import Annotated
 
-from plumbline.engine.describe.check import not_negative, positive, whole
+from plumbline.engine.describe.check import Described, between, not_negative, one_of, positive, whole
 
 ADAPTIVE = "dormand_prince"
 FREE_INTEGRATORS = {
@@ -26,20 +27,10 @@ COORDINATES = (MAXIMAL, JOINT, AUTOMATIC)
 GAUSS_SEIDEL, COLOURED, JACOBI = "gauss_seidel", "coloured", "jacobi"
 SWEEPS = (GAUSS_SEIDEL, COLOURED, JACOBI)
 LEVELS = ("sphere", "box", "hull", "decomposition", "mesh")
-CHOICES: dict[str, tuple[str | None, ...]] = {
-    "integrator": INTEGRATORS,
-    "broad_phase": (*BROAD_PHASES, None),
-    "bounding_volume": BOUNDING_VOLUMES,
-    "level_of_detail": (*LEVELS, None),
-    "solver": SOLVERS,
-    "sweeps": SWEEPS,
-    "continuous": CONTINUOUS,
-    "coordinates": (*COORDINATES, None),
-}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Options:
+class Options(Described):
     """The choices of a solver.
 
     Terms:
@@ -75,60 +66,40 @@ class Options:
         alone is solved by manifolds like any other.
     """
 
-    dt: float = 1 / 240
-    substeps: int = 4
-    iterations: int = 2
-    relaxations: int = 1
-    integrator: str = "semi_implicit_euler"
-    step_tolerance: float | None = None
-    broad_phase: str | None = None
-    bounding_volume: str = "aabb"
-    level_of_detail: str | None = None
-    threads: int = 1
-    contact_hertz: float | None = None
-    contact_damping_ratio: float = 10.0
-    max_push: float = 3.0
-    bounce_speed: float | None = None
-    margin: float = 1e-3
+    dt: Annotated[float, positive, "s"] = 1 / 240
+    substeps: Annotated[int, whole, 1] = 4
+    iterations: Annotated[int, whole, 1] = 2
+    relaxations: Annotated[int, whole, 0] = 1
+    integrator: Annotated[str, one_of, INTEGRATORS] = "semi_implicit_euler"
+    # Below 1e-14 the estimate of an error is round-off, which no shorter step makes smaller.
+    step_tolerance: Annotated[float | None, between, 1e-14, 1e-2] = None
+    broad_phase: Annotated[str | None, one_of, BROAD_PHASES] = None
+    bounding_volume: Annotated[str, one_of, BOUNDING_VOLUMES] = "aabb"
+    level_of_detail: Annotated[str | None, one_of, LEVELS] = None
+    threads: Annotated[int, whole, 1] = 1
+    contact_hertz: Annotated[float | None, positive, "Hz"] = None
+    contact_damping_ratio: Annotated[float, not_negative, ""] = 10.0
+    max_push: Annotated[float, positive, "m/s"] = 3.0
+    bounce_speed: Annotated[float | None, not_negative, "m/s"] = None
+    margin: Annotated[float, not_negative, "m"] = 1e-3
     contacts: bool = True
     gyroscopic: bool = True
-    continuous: str = "off"
-    solver: str = "tgs_soft"
-    tolerance: float = 1e-11
-    effort: float = 50.0
+    continuous: Annotated[str, one_of, CONTINUOUS] = "off"
+    solver: Annotated[str, one_of, SOLVERS] = "tgs_soft"
+    tolerance: Annotated[float, positive, ""] = 1e-11
+    effort: Annotated[float, positive, "ms"] = 50.0
     sleeping: bool = False
-    sleep_speed: float = 1e-3
-    sleep_time: float = 0.5
-    coordinates: str | None = None
-    sweeps: str = GAUSS_SEIDEL
+    sleep_speed: Annotated[float, positive, "m/s"] = 1e-3
+    sleep_time: Annotated[float, positive, "s"] = 0.5
+    coordinates: Annotated[str | None, one_of, COORDINATES] = None
+    sweeps: Annotated[str, one_of, SWEEPS] = GAUSS_SEIDEL
 
     def __post_init__(self) -> None:
-        positive("options", "dt", self.dt, "s")
-        for name, least in (("substeps", 1), ("iterations", 1), ("relaxations", 0), ("threads", 1)):
-            whole("options", name, getattr(self, name), least)
-        for name, choices in CHOICES.items():
-            if getattr(self, name) not in choices:
-                expected = ", ".join(one for one in choices if one is not None)
-                raise ValueError(f"options: {name} {getattr(self, name)!r}, expected one of {expected}")
-        if self.step_tolerance is not None:
-            if self.integrator not in TOLERANCES:
-                raise ValueError(
-                    f"options: step_tolerance {self.step_tolerance}, but integrator '{self.integrator}' does not adapt"
-                )
-            # Below 1e-14 the estimate is round-off, which no shorter step makes smaller.
-            if not 1e-14 <= self.step_tolerance <= 1e-2:
-                raise ValueError(f"options: step_tolerance {self.step_tolerance}, expected 1e-14..1e-2")
-        positive("options", "tolerance", self.tolerance, "")
-        positive("options", "effort", self.effort, "ms")
-        if self.contact_hertz is not None:
-            positive("options", "contact_hertz", self.contact_hertz, "Hz")
-        not_negative("options", "contact_damping_ratio", self.contact_damping_ratio, "")
-        positive("options", "max_push", self.max_push, "m/s")
-        not_negative("options", "margin", self.margin, "m")
-        if self.bounce_speed is not None:
-            not_negative("options", "bounce_speed", self.bounce_speed, "m/s")
-        positive("options", "sleep_speed", self.sleep_speed, "m/s")
-        positive("options", "sleep_time", self.sleep_time, "s")
+        self.check_fields()
+        if self.step_tolerance is not None and self.integrator not in TOLERANCES:
+            raise ValueError(
+                f"options: step_tolerance {self.step_tolerance}, but integrator '{self.integrator}' does not adapt"
+            )
 
     @property
     def used_step_tolerance(self) -> float | None:

@@ -17,7 +17,7 @@ from plumbline.engine.build.appearance import looks_of, may_touch
 from plumbline.engine.build.assembly import assemble_world, islands_know, moves_meshes, spheres_only, wants_islands
 from plumbline.engine.build.initial_rates import check_initial_rates, check_slenderness
 from plumbline.engine.build.joint_order import elimination_order
-from plumbline.engine.contact.points import Contacts, joined, manifold_points, sphere_points
+from plumbline.engine.contact.points import Contacts, manifold_points, sphere_points
 from plumbline.engine.describe.bodies import Body, Surface
 from plumbline.engine.describe.check import finite, number, whole
 from plumbline.engine.describe.errors import Diverged, NotSupported
@@ -313,10 +313,7 @@ class World:
         count = int(at.int_table(self._ints, at.COUNT)[0, at.MANIFOLDS]) if self.touching else 0
         points = sphere_points if self.spheres else manifold_points
         last = points(self._floats, self._ints, count, self.options.margin, self._dt)
-        if self._swept is None:
-            return last
-        past = self._swept.earlier
-        return joined(Contacts(past.bodies, past.point, past.normal, past.gap, past.impulse / self._dt), last)
+        return last if self._swept is None else self._swept.joined(last)
 
     def cast(
         self, origins: Any, directions: Any, max_range: float = np.inf, *, geometry: str = "collision", threads: int = 1

@@ -9,6 +9,7 @@ from plumbline.adapters.rapier.options import resolved_settings, set_parameters
 from plumbline.adapters.rapier.simulation import Made, RapierSimulation
 from plumbline.adapters.rapier.surfaces import Law, PairLaws, groups_of, laws_of
 from plumbline.adapters.rapier.trees import put_trees
+from plumbline.adapters.rapier.vendor import pose
 from plumbline.harness.adapter import Notice, Settings, Unsupported
 from plumbline.harness.adapter.between import on_massless
 from plumbline.harness.adapter.carried_laws import refuse_tendons
@@ -53,7 +54,14 @@ def _join(contents: Made, scene: Scene, reduced: bool, between: Collection[str])
     trees = trees_of(scene, scene.joints) if reduced else []
 
     def root(name: str) -> Any:
-        return world.add_body(rapier.RigidBody.fixed(), []) if name == WORLD else handles[name]
+        """A body that moves, or one without shapes in the place of what stands still: links have the friction of 'coulomb'."""
+        still = rapier.RigidBody.fixed()
+        if name != WORLD:
+            body = scene.body(name)
+            if body.movable:
+                return handles[name]
+            still = still.position(pose(rapier, body.p_WB, body.q_WB))
+        return world.add_body(still, [])
 
     put_trees(world, scene, trees, root, joiner.link)
     held = {branch.edge.name for tree in trees for branch in tree.branches}

@@ -65,8 +65,12 @@ class Joiner:
 
     def link(self, joint: Joint, node: str, above: Any) -> Any:
         """A joint of a tree, towards the body `node`, in reduced coordinates. Raises: Unsupported."""
-        parent = self.handles[joint.child if node == joint.parent else joint.parent] if above is None else above
-        return self._put(joint, node, parent, self.world.multibody_joints.insert, wraps=False)
+        beside = self.handles.get(joint.child if node == joint.parent else joint.parent)
+        placed = self._put(joint, node, beside if above is None else above, self.world.multibody_joints.insert, wraps=False)
+        if above not in (None, beside) and beside is not None and not joint.collide:  # of a body that another stands for
+            free = _generic(self.rapier, self.scene, joint, node)(self.rapier.JointAxesMask.empty())
+            self.world.impulse_joints.insert(beside, self.handles[node], free.build())
+        return placed
 
     def _put(self, joint: Any, node: str, parent: Any, insert: Any, wraps: bool) -> Any:
         """A joint towards a body with its limits and first motor; each other motor is on a joint that holds nothing."""

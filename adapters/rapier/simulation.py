@@ -10,6 +10,7 @@ import numpy as np
 from plumbline.adapters.rapier import rays
 from plumbline.adapters.rapier.joints import DriveTold, check_target
 from plumbline.adapters.rapier.led import Led
+from plumbline.adapters.rapier.options import vendor_steps
 from plumbline.harness.adapter import Diverged, Notice, Settings, Unsupported
 from plumbline.harness.adapter.motors import drive_motor
 from plumbline.harness.adapter.what_goes_in import check_state, check_targets, check_velocities, check_wrench
@@ -46,7 +47,7 @@ class RapierSimulation:
             not max(np.abs(array).max(initial=0.0) for array in (self._start.p_WB, self._start.v_WB, self._start.w_WB))
             <= GREATEST
         )
-        self._hooks = contents.world.physics_hooks
+        self._hooks, self._steps = contents.world.physics_hooks, vendor_steps(used)
         on_path = used.options["on_path"]
         self._led = {k: Led.of(b) for k, b in enumerate(scene.bodies) if on_path and b.motion == "kinematic"}
         self._begun = False
@@ -73,7 +74,7 @@ class RapierSimulation:
             raise Diverged(f"Rapier: a number of the start is beyond {GREATEST:g}, where the squares of single precision end")
         world, self._begun = self._contents.world, self._begun or count > 0
         dt, led = world.integration_parameters.dt, [(self._views[self._moving.index(k)], each) for k, each in self._led.items()]
-        for _ in range(count):
+        for _ in range(count * self._steps):
             for view, each in led:
                 each.put_back(self._contents.rapier, view)
             world.step()
@@ -84,7 +85,7 @@ class RapierSimulation:
 
     def retime(self, dt: float) -> None:
         """The length [s] of each step from the next one on."""
-        self._contents.world.integration_parameters.dt = dt
+        self._contents.world.integration_parameters.dt = dt / self._steps
 
     def state(self, out: State) -> None:
         """Write the present state into `out`. Raises: Diverged."""
@@ -106,8 +107,8 @@ class RapierSimulation:
         out.v_WB[moving], out.w_WB[moving] = table[:, 7:10], table[:, 10:]
 
     def contacts(self) -> Contacts:
-        """The points of the last step that overlap or bear a force, of which Rapier tells the normal part alone."""
-        contents, dt = self._contents, self._used.dt
+        """The points of the vendor's last step that overlap or bear a force, of which Rapier tells the normal part alone."""
+        contents, dt = self._contents, self._contents.world.integration_parameters.dt
         a, b, points, normals, gaps, sizes = [], [], [], [], [], []
         for pair in contents.world.narrow_phase.contact_pairs():
             first, second = pair.collider1, pair.collider2

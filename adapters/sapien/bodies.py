@@ -87,6 +87,7 @@ class Bodies:
             component.linear_damping = linear
         if angular or self.used.options["damping"] == "scene":
             component.angular_damping = angular
+        component.max_depenetration_velocity = self.used.options["max_depenetration_velocity"]
         if not self.used.options["capped"]:
             component.max_angular_velocity = component.max_linear_velocity = _UNCAPPED
 

@@ -4,18 +4,22 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
+from plumbline.adapters.sapien.suited import PARTING, suited
 from plumbline.harness.adapter import Settings
 from plumbline.harness.adapter.checked_options import Between, checked_options
-from plumbline.harness.scene import Effect
+from plumbline.harness.scene import Scene
 
 INTEGRATOR = "semi_implicit_euler"
 SOLVERS = ("tgs", "pgs")
 ITERATIONS = 10
 """The vendor's solver_position_iterations."""
+UNBOUNDED = 1e32
+"""A speed [m/s] that stands for none, in PhysX too."""
 KNOWN: Mapping[str, Sequence[Any] | Between] = {
     "velocity_iterations": (0, 1, 2, 4, 8, 16, 32),
     "bounce_threshold": Between(1e-6, 1e3),
     "contact_offset": Between(1e-6, 1.0),
+    "max_depenetration_velocity": Between(1e-6, UNBOUNDED),
     "sleeping": (True, False),
     "capped": (True, False),
     "damping": ("vendor", "scene"),
@@ -23,14 +27,15 @@ KNOWN: Mapping[str, Sequence[Any] | Between] = {
     "by_scene": (True, False),
 }
 """bounce_threshold [m/s]: the approach below which nothing rebounds. contact_offset [m]: the gap at which contacts begin.
-capped: turns at 100 rad/s, rates of joints at 100, as the vendor has them. damping: angular, 0.05 a second by default, of
-bodies of which the scene says none. determinism: does a body's motion not depend on what else is in the scene. by_scene:
-where the solver is left open, TGS where something rebounds, has torsional friction, hangs on a body that is led, or touches
-while it moves at the start without drives, and PGS elsewhere."""
+max_depenetration_velocity [m/s]: the most at which bodies inside each other are moved apart. capped: turns at 100 rad/s, rates
+of joints at 100, as the vendor has them. damping: angular, 0.05 a second by default, of bodies of which the scene says none.
+determinism: does a body's motion not depend on what else is in the scene. by_scene: where the solver is left open, and that
+speed under PGS, what suits the scene."""
 _VENDOR: Mapping[str, Any] = {
     "velocity_iterations": 1,
     "bounce_threshold": 2.0,
     "contact_offset": 0.01,
+    "max_depenetration_velocity": UNBOUNDED,
     "sleeping": True,
     "capped": True,
     "damping": "vendor",
@@ -39,20 +44,20 @@ _VENDOR: Mapping[str, Any] = {
 }
 
 
-def resolved_settings(settings: Settings, effects: Effect, moving: bool) -> Settings:
+def resolved_settings(settings: Settings, scene: Scene, constrained: bool) -> Settings:
     """The settings with the vendor's values where they leave something open. Raises: SettingsError.
 
-    Args: moving: does a joint hold something on a body that is led, or does what touches move without a drive?
+    Args: constrained: is a joint not in reduced coordinates?
     """
     chosen = checked_options("SAPIEN", settings, KNOWN, INTEGRATOR, SOLVERS)
-    options = {name: _VENDOR[name] if value is None else value for name, value in chosen.items()}
-    moved = Effect.RESTITUTION | Effect.TORSIONAL_FRICTION
-    quiet = options["by_scene"] and not moved & effects and not moving
+    by_scene = chosen["by_scene"] is True
+    solver = settings.solver or (suited(scene, constrained) if by_scene else "tgs")
+    left_open = {**_VENDOR, "max_depenetration_velocity": PARTING} if by_scene and solver == "pgs" else _VENDOR
     return replace(
         settings,
         substeps=settings.substeps or 1,
         iterations=settings.iterations or ITERATIONS,
         integrator=INTEGRATOR,
-        solver=settings.solver or ("pgs" if quiet else "tgs"),
-        options=options,
+        solver=solver,
+        options={name: left_open[name] if value is None else value for name, value in chosen.items()},
     )

@@ -7,7 +7,7 @@ import math
 from typing import NamedTuple
 
 from plumbline.engine.compile.jit import inlined, kernel
-from plumbline.engine.maths.rows import Floats, Ints, load3, load4, load9, store3, store9
+from plumbline.engine.maths.rows import Floats, Ints, Quat, Vec, load3, load4, load9, store3, store9
 from plumbline.engine.maths.vec import add, mat_vec, norm, quat_mat, quat_mul
 from plumbline.engine.memory import arena as at
 from plumbline.engine.memory.carve import floats_of, ints_of
@@ -67,16 +67,21 @@ enough for their bodies to stay in the nearest cache. Which of two pairs comes f
 
 
 @kernel
+def put_pose(shape: Floats, s: int, p: Vec, q: Quat, pose: Floats, row: int) -> None:
+    """Write position [m] and rotation matrix in W of shape s, of a body at p and turned by q."""
+    store3(pose, row, 0, add(p, mat_vec(quat_mat(q), load3(shape, s, at.OFFSET))))
+    store9(pose, row, 3, quat_mat(quat_mul(q, load4(shape, s, at.TURN))))
+
+
+@kernel
 def pose_shape(state: Floats, b: int, shapes: Shapes, s: int) -> None:
     """Write position and rotation matrix in W of shape s of body b."""
-    shape, offset = shapes.shape, load3(shapes.shape, s, at.OFFSET)
+    offset = load3(shapes.shape, s, at.OFFSET)
     if shapes.kind[s, at.TYPE] == at.SPHERE and offset[0] == 0.0 and offset[1] == 0.0 and offset[2] == 0.0:
         # A ball about the centre of mass looks the same however it is turned: its matrix stays as it was at the start.
         store3(shapes.pose, s, 0, load3(state, b, at.P))
         return
-    q = load4(state, b, at.Q)
-    store3(shapes.pose, s, 0, add(load3(state, b, at.P), mat_vec(quat_mat(q), offset)))
-    store9(shapes.pose, s, 3, quat_mat(quat_mul(q, load4(shape, s, at.TURN))))
+    put_pose(shapes.shape, s, load3(state, b, at.P), load4(state, b, at.Q), shapes.pose, s)
 
 
 @kernel
@@ -178,9 +183,12 @@ def overlap(bounds: Floats, shape_kind: Ints, pose: Floats, i: int, j: int) -> b
 
 
 @kernel
-def brute_force(rules: CollisionFilter, bounds: Floats, pose: Floats, shapes: int, pair: Ints) -> int:
-    """Write every overlapping pair, by i and then j > i. Returns: their number, perhaps beyond the room in `pair`."""
-    pairs = 0
+def brute_force(floats: Floats, ints: Ints) -> None:
+    """Place the shapes, and write every overlapping pair, by i and then j > i. Their number may go beyond the room."""
+    rules, pose = collision_filter_of(floats, ints), floats_of(floats, ints, at.POSE)
+    bounds, pair = floats_of(floats, ints, at.BOUNDS), ints_of(ints, at.PAIR)
+    shapes, pairs = ints_of(ints, at.COUNT)[0, at.SHAPES], 0
+    place_shapes(floats, ints)
     for apart in range(1, shapes):
         for i in range(shapes - apart):
             j = i + apart
@@ -190,4 +198,4 @@ def brute_force(rules: CollisionFilter, bounds: Floats, pose: Floats, shapes: in
                 if pairs < pair.shape[0]:
                     pair[pairs, 0], pair[pairs, 1] = i, j
                 pairs += 1
-    return pairs
+    ints_of(ints, at.COUNT)[0, at.PAIRS] = pairs

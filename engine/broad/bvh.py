@@ -1,6 +1,6 @@
 """Broad phase by a bounding volume hierarchy: a binary tree of axis-aligned boxes, split at the median centre.
 
-Source: Ericson, Real-Time Collision Detection, sections 6.2.1 (top-down, median of the longest axis) and 6.3; Hoare, Commun.
+Source: Ericson, Real-Time Collision Detection, section 6.2.1 (top-down, median of the longest axis); Hoare, Commun.
 ACM 4, 1961 (selection).
 """
 
@@ -8,9 +8,9 @@ import math
 
 import numpy as np
 
-from plumbline.engine.broad.bounds import boxes_overlap
-from plumbline.engine.broad.candidates import add_pair, may_move, search_anew
+from plumbline.engine.broad.candidates import search_anew
 from plumbline.engine.broad.shares import search_in_shares_anew
+from plumbline.engine.broad.tree import Tree, new_tree, search_range
 from plumbline.engine.compile.jit import entry, kernel, parallel_entry
 from plumbline.engine.maths.rows import Floats, Ints
 from plumbline.engine.memory import arena as at
@@ -18,10 +18,6 @@ from plumbline.engine.memory.carve import floats_of, ints_of
 
 LEAF = 4
 """Shapes of a node that is not split further."""
-
-Tree = tuple[Ints, Ints, Floats]
-"""member (k,): bounded shapes, those of a node side by side; node (n, 3): first and last of its members, and the first of its
-two children or -1; box (n, 6): lower and upper corner [m]."""
 
 
 @kernel
@@ -61,64 +57,34 @@ def build_tree(floats: Floats, ints: Ints) -> Tree:
             held += 1
             for k in range(3):
                 centre[s, k] = 0.5 * (fat[s, k] + fat[s, k + 3])
-    node, box = np.empty((2 * held + 1, 3), np.int64), np.empty((2 * held + 1, 6))
-    node[0, 0], node[0, 1] = 0, held
-    used, current = 1, 0
-    while current < used:
-        low, high = node[current, 0], node[current, 1]
+    child, sibling, head, following, box = new_tree(2 * held + 1, shapes)
+    span = np.empty((2 * held + 1, 2), np.int64)
+    span[0, 0], span[0, 1] = 0, held
+    used, node = 1, 0
+    while node < used:
+        low, high = span[node, 0], span[node, 1]
         axis, spread = 0, -1.0
         for k in range(3):
-            box[current, k], box[current, k + 3] = math.inf, -math.inf
-            least, most = math.inf, -math.inf
+            lower, upper, least, most = math.inf, -math.inf, math.inf, -math.inf
             for c in range(low, high):
                 s = member[c]
-                box[current, k], box[current, k + 3] = min(box[current, k], fat[s, k]), max(box[current, k + 3], fat[s, k + 3])
+                lower, upper = min(lower, fat[s, k]), max(upper, fat[s, k + 3])
                 least, most = min(least, centre[s, k]), max(most, centre[s, k])
+            box[node, k], box[node, k + 3] = lower, upper
             if most - least > spread:
                 axis, spread = k, most - least
-        node[current, 2] = -1
         if high - low > LEAF:
+            middle = (low + high) // 2
             select_middle(member, centre, axis, low, high)
-            node[current, 2] = used
-            node[used, 0], node[used, 1] = low, (low + high) // 2
-            node[used + 1, 0], node[used + 1, 1] = (low + high) // 2, high
+            child[node], sibling[used] = used, used + 1
+            span[used, 0], span[used, 1], span[used + 1, 0], span[used + 1, 1] = low, middle, middle, high
             used += 2
-        current += 1
-    return member, node, box
-
-
-@kernel
-def search_range(floats: Floats, ints: Ints, first: int, last: int, candidate: Ints, tree: Tree) -> int:
-    """Write the pairs that a range of shapes finds in the tree, whose widened bounds overlap.
-
-    Returns: their number, perhaps beyond the room.
-    """
-    fat, shape, found = floats_of(floats, ints, at.FAT), floats_of(floats, ints, at.SHAPE), 0
-    shape_kind, kind = ints_of(ints, at.SHAPE_KIND), ints_of(ints, at.BODY_KIND)
-    member, node, box = tree
-    stack = np.empty(128, np.int64)
-    for i in range(first, last):
-        if shape[i, at.BALL_RADIUS] == math.inf or not may_move(shape_kind, kind, i):
-            continue
-        stack[0], waiting = 0, 1
-        while waiting > 0:
-            waiting -= 1
-            current = stack[waiting]
-            meets = True
-            for k in range(3):
-                if fat[i, k] > box[current, k + 3] or box[current, k] > fat[i, k + 3]:
-                    meets = False
-            if not meets:
-                continue
-            if node[current, 2] >= 0:
-                stack[waiting], stack[waiting + 1] = node[current, 2], node[current, 2] + 1
-                waiting += 2
-                continue
-            for c in range(node[current, 0], node[current, 1]):
-                j = member[c]
-                if (j > i or not may_move(shape_kind, kind, j)) and i != j and boxes_overlap(fat, i, j):
-                    found = add_pair(candidate, found, i, j)
-    return found
+        else:
+            for c in range(low, high):
+                following[member[c]] = head[node]
+                head[node] = member[c]
+        node += 1
+    return child, sibling, head, following, box
 
 
 @entry

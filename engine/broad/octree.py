@@ -10,9 +10,9 @@ import math
 
 import numpy as np
 
-from plumbline.engine.broad.bounds import boxes_overlap
-from plumbline.engine.broad.candidates import add_pair, may_move, search_anew
+from plumbline.engine.broad.candidates import search_anew
 from plumbline.engine.broad.shares import search_in_shares_anew
+from plumbline.engine.broad.tree import Tree, new_tree, search_range
 from plumbline.engine.compile.jit import entry, kernel, parallel_entry
 from plumbline.engine.maths.rows import Floats, Ints
 from plumbline.engine.memory import arena as at
@@ -20,11 +20,8 @@ from plumbline.engine.memory.carve import floats_of, ints_of
 
 DEEPEST = 20
 """Levels below the root; smaller shapes share the cells of the last one."""
-
-
-Octree = tuple[Ints, Ints, Ints, Floats]
-"""child (n, 8): cells or -1; first (n,): the first shape of a cell or -1; following (shapes,): the next one of the same cell or
--1; cube (n, 4): lower corner and side [m]."""
+LOOSE = 0.5000001
+"""Share of its side [1] that a cell reaches beyond its faces: a half, and the rounding of its corner."""
 
 
 @kernel
@@ -53,19 +50,18 @@ def depth_of(fat: Floats, s: int, side: float) -> int:
 
 
 @kernel
-def build_octree(floats: Floats, ints: Ints) -> Octree:
+def build_octree(floats: Floats, ints: Ints) -> Tree:
     """The octree of all bounded shapes."""
     fat, shape = floats_of(floats, ints, at.FAT), floats_of(floats, ints, at.SHAPE)
     shapes = ints_of(ints, at.COUNT)[0, at.SHAPES]
-    x0, y0, z0, side = root_cube(fat, shape, shapes)
-    nodes = 1
+    x, y, z, side = root_cube(fat, shape, shapes)
+    cells, used = 1, 1
     for s in range(shapes):
         if shape[s, at.BALL_RADIUS] < math.inf:
-            nodes += depth_of(fat, s, side)
-    child, first = np.full((nodes, 8), -1, np.int64), np.full(nodes, -1, np.int64)
-    following, cube = np.empty(shapes, np.int64), np.empty((nodes, 4))
-    cube[0, 0], cube[0, 1], cube[0, 2], cube[0, 3] = x0, y0, z0, side
-    used = 1
+            cells += depth_of(fat, s, side)
+    child, sibling, head, following, box = new_tree(cells, shapes)
+    cube, inside = np.empty((cells, 4)), np.full((cells, 8), -1, np.int64)
+    cube[0, 0], cube[0, 1], cube[0, 2], cube[0, 3] = x, y, z, side
     for s in range(shapes - 1, -1, -1):
         if shape[s, at.BALL_RADIUS] == math.inf:
             continue
@@ -75,52 +71,21 @@ def build_octree(floats: Floats, ints: Ints) -> Octree:
             for k in range(3):
                 if 0.5 * (fat[s, k] + fat[s, k + 3]) >= cube[cell, k] + half:
                     octant += 1 << k
-            if child[cell, octant] < 0:
-                child[cell, octant] = used
+            if inside[cell, octant] < 0:
+                inside[cell, octant] = used
+                sibling[used], child[cell] = child[cell], used
                 for k in range(3):
-                    cube[used, k] = cube[cell, k] + (half if octant >> k & 1 else 0.0)
+                    cube[used, k] = cube[cell, k] + half * (octant >> k & 1)
                 cube[used, 3] = half
                 used += 1
-            cell = child[cell, octant]
-        following[s] = first[cell]
-        first[cell] = s
-    return child, first, following, cube
-
-
-@kernel
-def search_range(floats: Floats, ints: Ints, first: int, last: int, candidate: Ints, octree: Octree) -> int:
-    """Write the pairs that a range of shapes finds in the octree, whose widened bounds overlap.
-
-    Returns: their number, perhaps beyond the room.
-    """
-    fat, shape, found = floats_of(floats, ints, at.FAT), floats_of(floats, ints, at.SHAPE), 0
-    shape_kind, kind = ints_of(ints, at.SHAPE_KIND), ints_of(ints, at.BODY_KIND)
-    child, head, following, cube = octree
-    stack = np.empty(8 * DEEPEST + 8, np.int64)
-    for i in range(first, last):
-        if shape[i, at.BALL_RADIUS] == math.inf or not may_move(shape_kind, kind, i):
-            continue
-        stack[0], waiting = 0, 1
-        while waiting > 0:
-            waiting -= 1
-            cell = stack[waiting]
-            # Widened a little more than by half, for the rounding of the cell's corner.
-            loose, meets = 0.5000001 * cube[cell, 3], True
-            for k in range(3):
-                if fat[i, k] > cube[cell, k] + cube[cell, 3] + loose or fat[i, k + 3] < cube[cell, k] - loose:
-                    meets = False
-            if not meets:
-                continue
-            j = head[cell]
-            while j >= 0:
-                if (j > i or not may_move(shape_kind, kind, j)) and i != j and boxes_overlap(fat, i, j):
-                    found = add_pair(candidate, found, i, j)
-                j = following[j]
-            for octant in range(8):
-                if child[cell, octant] >= 0:
-                    stack[waiting] = child[cell, octant]
-                    waiting += 1
-    return found
+            cell = inside[cell, octant]
+        following[s] = head[cell]
+        head[cell] = s
+    for cell in range(used):
+        for k in range(3):
+            box[cell, k] = cube[cell, k] - LOOSE * cube[cell, 3]
+            box[cell, k + 3] = cube[cell, k] + (1.0 + LOOSE) * cube[cell, 3]
+    return child, sibling, head, following, box
 
 
 @entry

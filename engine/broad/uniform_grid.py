@@ -156,7 +156,7 @@ def search_range(floats: Floats, ints: Ints, first: int, last: int, candidate: I
             continue
         if around and not moves:
             continue
-        for near in range(0 if around else OWN + 1, 27):
+        for near in range(0 if around else OWN, 27):
             x, y, z = cell[i, 0] + near % 3 - 1, cell[i, 1] + near // 3 % 3 - 1, cell[i, 2] + near // 9 - 1
             bucket = bucket_of(x, y, z, buckets)
             for c in range(start[bucket], start[bucket + 1]):
@@ -165,16 +165,9 @@ def search_range(floats: Floats, ints: Ints, first: int, last: int, candidate: I
                     continue
                 movable = may_move(shape_kind, kind, j)
                 # Of two that look into each other's cells the first finds the other.
-                if (moves or movable) and not (around and movable and j <= i):
+                mutual = movable if around else near == OWN
+                if (moves or movable) and (j > i or not mutual):
                     found = add_pair(candidate, found, i, j)
-        if around:
-            continue
-        for c in range(start[cell[i, 3]], start[cell[i, 3] + 1]):
-            j = member[c]
-            if j <= i or cell[j, 0] != cell[i, 0] or cell[j, 1] != cell[i, 1] or cell[j, 2] != cell[i, 2]:
-                continue
-            if (moves or may_move(shape_kind, kind, j)) and boxes_overlap(fat, i, j):
-                found = add_pair(candidate, found, i, j)
     return found
 
 

@@ -1,27 +1,34 @@
 """Write bodies, shapes, joints and surfaces into a new arena."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from plumbline.engine.build.joint_order import ROWS
+from plumbline.engine.build.initial_rates import coordinate_rate
+from plumbline.engine.build.joint_order import ROWS, mechanisms, neighbours
 from plumbline.engine.build.polyhedra import Polyhedron, closed_volume
-from plumbline.engine.build.solids import body_solids, principal_frame, quat_mat, quat_mul
+from plumbline.engine.build.solids import Solid, body_solids, principal_frame, quat_mat, quat_mul
 from plumbline.engine.describe.bodies import Body, Surface
 from plumbline.engine.describe.check import finite, spd_inertia, unit_quaternion
 from plumbline.engine.describe.errors import NotSupported
 from plumbline.engine.describe.joints import WORLD, Ball, Distance, Drive, Fixed, Joint, Limits, Prismatic, Revolute, Spring
 from plumbline.engine.describe.shapes import Box, Plane, Sphere, TriangleMesh
-from plumbline.engine.maths.arrays import dot, inverse, mat_mat, mat_vec, norm, unit
+from plumbline.engine.maths.arrays import inverse, mat_mat, mat_vec, norm, unit
 from plumbline.engine.maths.types import Floats, Ints
 from plumbline.engine.memory import arena as at
 from plumbline.engine.memory.layout import FLOATS, INTS, Per, shapes_of
 from plumbline.engine.options import COLOURED, CONTINUOUS, FREE_INTEGRATORS, GAUSS_SEIDEL, JACOBI, Options
 
 MOTIONS = {"static": at.STATIC, "kinematic": at.KINEMATIC, "dynamic": at.DYNAMIC}
+TYPES = {Fixed: at.FIXED, Ball: at.BALL, Revolute: at.REVOLUTE, Prismatic: at.PRISMATIC, Distance: at.DISTANCE}
 ENDLESS = 1e9
 """The extent [m] of a plane: where it turns at all, it does not count as still."""
+
+Tables = tuple[list[Floats], list[Ints]]
+"""Those of an arena, as `arena.tables` returns them."""
+Pairs = Sequence[tuple[str, str]]
+"""Of materials."""
 
 
 def six(m: Floats) -> list[float]:
@@ -33,11 +40,9 @@ def spheres_only(
     bodies: Sequence[Body], joints: Sequence[Joint], surfaces: Mapping[tuple[str, str], Surface], options: Options
 ) -> bool:
     """Whether the world is one that `engine.steps.spheres` serves."""
-    if not options.contacts or options.sleeping or options.solver != "tgs_soft" or options.continuous == "swept":
+    if not (options.contacts and islands_know(options)) or options.sleeping or options.sweeps == JACOBI or joints:
         return False
-    if options.sweeps == JACOBI:
-        return False
-    if joints or any(law.rolling_friction > 0 or law.torsional_friction > 0 for law in surfaces.values()):
+    if any(law.rolling_friction > 0 or law.torsional_friction > 0 for law in surfaces.values()):
         return False
     for body in bodies:
         if body.motion == "dynamic":
@@ -62,121 +67,68 @@ def wants_islands(bodies: Sequence[Body], joints: Sequence[Joint], options: Opti
 
     The direct solve of joints costs the cube of what is solved at once; the answer is the same to the last bit.
     """
-    if not islands_know(options):
+    if not islands_know(options) or options.sweeps != GAUSS_SEIDEL:
         return False
-    if options.sweeps != GAUSS_SEIDEL:
-        return False
-    if options.threads > 1 or options.sleeping:
-        return True
-    above = {body.name: body.name for body in bodies if body.motion == "dynamic"}
-
-    def root(name: str) -> str:
-        while above[name] != name:
-            above[name] = above[above[name]]
-            name = above[name]
-        return name
-
-    held = [[name for name in (joint.parent, joint.child) if name in above] for joint in joints]
-    for ends in held:
-        for name in ends:
-            above[root(name)] = root(ends[0])
-    return len({root(name) for ends in held for name in ends}) > 1
+    return options.threads > 1 or options.sleeping or len(mechanisms(neighbours(bodies, joints))) > 1
 
 
 def assemble_world(
     bodies: Sequence[Body], joints: Sequence[Joint], surfaces: Mapping[tuple[str, str], Surface], gravity: Sequence[float],
-    options: Options, apart: Sequence[tuple[str, str]] = (), islands: bool = False,
+    options: Options, apart: Pairs = (), islands: bool = False,
 ) -> tuple[Floats, Ints]:  # fmt: skip
     """The arena of a world at its start, with room for islands where it has any. Raises: ValueError, NotSupported."""
     _check_pairs(surfaces, apart)
-    n, nj = len(bodies), len(joints)
-    index: dict[str, int] = {}
-    known: set[str] = set()
-    for joint in joints:
-        if joint.name in known:
-            raise ValueError(f"joint '{joint.name}': the name is taken")
-        known.add(joint.name)
-    for i, body in enumerate(bodies):
-        if body.name in index or body.name == WORLD:
-            raise ValueError(f"body '{body.name}': the name is taken")
-        index[body.name] = i
-    index[WORLD] = n
+    _check_names("joint", [joint.name for joint in joints])
+    _check_names("body", [WORLD, *(body.name for body in bodies)])
+    index = {name: i for i, name in enumerate((*(body.name for body in bodies), WORLD))}
     for body in bodies:
         if moves_meshes(body):
             _check_closed(body)
-    shapes = [(i, solid) for i, body in enumerate(bodies) for solid in body_solids(body)]
-    ns = len(shapes)
-    convex = any(solid.kind in (at.CYLINDER, at.ELLIPSOID, at.HULL, at.TRIANGLE) for _, solid in shapes)
-    polyhedra = [(s, solid.polyhedron) for s, (_, solid) in enumerate(shapes) if convex and solid.polyhedron is not None]
-    rows = sum(ROWS[type(joint)] + 3 + _along(joint) for joint in joints) + 1
-    movable = sum(1 for i, _ in shapes if bodies[i].motion == "dynamic")
-    near = min(ns * (ns - 1) // 2, 8 * movable + 16) if options.contacts else 0
-    spheres = spheres_only(bodies, joints, surfaces, options)
-    pairs, touches = (0, near) if spheres else (near, 0)
+    solids = [(i, solid) for i, body in enumerate(bodies) for solid in body_solids(body)]
     materials = sorted({body.material for body in bodies} | {one for pair in (*surfaces, *apart) for one in pair})
-    excluded = [
-        (index[joint.parent], index[joint.child])
-        for joint in joints
-        if not joint.collide and joint.parent in index and joint.child in index
-    ]
-    sizes = {
-        Per.WORLD: 1, Per.BODY: n + 1, Per.SHAPE: ns, Per.JOINT: nj, Per.ROW: rows, Per.ROW_OR_TRIAL: 2 * rows + 2,
-        Per.VECTOR: at.CAREFUL + 1, Per.EXCLUDED: len(excluded), Per.LAW: len(materials) * len(materials), Per.CLIP_POINT: 32,
-        Per.PRINCIPAL_BODY: n + 1 if options.integrator in FREE_INTEGRATORS else 0, Per.MOVER: n + 1 if spheres else 0,
-        Per.NEAR: near, Per.PAIR: pairs, Per.POINT: 4 * pairs + 1, Per.OLD_POINT: 4 * pairs, Per.TOUCH: touches,
-        **_sweep_sizes(n, near, options, spheres),
-        **_convex_sizes([polyhedron for _, polyhedron in polyhedra], pairs if convex else 0, convex, options.continuous),
-        **_island_sizes(n, pairs, options, islands),
-    }  # fmt: skip
-    floats, ints = at.new_arena(shapes_of(FLOATS, sizes), shapes_of(INTS, sizes))
-    _write_bodies(floats, ints, bodies)
-    at.float_table(floats, ints, at.REST)[:] = np.inf
-    at.float_table(floats, ints, at.POSE)[:, 3:12:4] = 1.0
-    for s, (i, solid) in enumerate(shapes):
-        if solid.kind == at.PLANE and bodies[i].motion == "dynamic":
-            raise ValueError(f"body '{bodies[i].name}': a plane is endless, so its body must be static or kinematic")
-        row = at.float_table(floats, ints, at.SHAPE)[s]
-        row[at.OFFSET : at.OFFSET + 3] = solid.offset
-        row[at.TURN : at.TURN + 4] = solid.turn
-        row[at.SIZE : at.SIZE + 3] = solid.size
-        row[at.BALL_RADIUS] = solid.radius
-        body = at.float_table(floats, ints, at.BODY)[i]
-        body[at.EXTENT] = max(body[at.EXTENT], min(float(norm(solid.offset)) + solid.radius, ENDLESS))
-        at.int_table(ints, at.SHAPE_KIND)[s] = solid.kind, i, materials.index(bodies[i].material), solid.part
-        at.int_table(ints, at.ORDER)[s, 0] = s
-        at.int_table(ints, at.POLYHEDRON)[s, at.INNER] = solid.inner
-    _write_polyhedra(floats, ints, polyhedra)
-    at.int_table(ints, at.JOINT_ORDER)[:, 0] = np.arange(nj)
+    ends = [(index.get(joint.parent), index.get(joint.child)) for joint in joints if not joint.collide]
+    excluded = [pair for pair in ends if None not in pair]
+    spheres = spheres_only(bodies, joints, surfaces, options)
+    sizes = _sizes(bodies, joints, solids, options, spheres, islands)
+    sizes |= {Per.EXCLUDED: len(excluded), Per.LAW: len(materials) ** 2}
+    floats, ints = at.new_arena(shapes_of(sizes))
+    tables = floats_of, ints_of = at.tables(floats, ints)
+    _write_bodies(tables, bodies)
+    _write_shapes(tables, bodies, solids, materials)
+    if sizes[Per.VERTEX]:
+        _write_polyhedra(tables, [solid.polyhedron for _, solid in solids])
+    ints_of[at.JOINT_ORDER][:, 0] = np.arange(len(joints))
+    named = {body.name: body for body in bodies}
     for j, joint in enumerate(joints):
-        _write_joint(floats, ints, j, joint, index, bodies)
-    for (one, two), law in surfaces.items():
-        for a, b in ((one, two), (two, one)):
-            at.float_table(floats, ints, at.SURFACE)[materials.index(a) * len(materials) + materials.index(b), :5] = (
-                law.static_friction, law.kinetic_friction, law.restitution, law.rolling_friction, law.torsional_friction,
-            )  # fmt: skip
-    for one, two in apart:
-        for a, b in ((one, two), (two, one)):
-            at.float_table(floats, ints, at.SURFACE)[materials.index(a) * len(materials) + materials.index(b), at.APART] = 1.0
-    if excluded:
-        at.int_table(ints, at.EXCLUDED)[:] = excluded
-    setting = at.float_table(floats, ints, at.SETTING)[0]
+        _write_joint(tables, j, joint, index, named)
+    ints_of[at.EXCLUDED][:] = np.array(excluded, np.int64).reshape(-1, 2)
+    law = floats_of[at.SURFACE].reshape(len(materials), len(materials), -1)
+    for pair, surface in surfaces.items():
+        a, b = map(materials.index, pair)
+        law[[a, b], [b, a], : at.APART] = (
+            surface.static_friction, surface.kinetic_friction, surface.restitution, surface.rolling_friction,
+            surface.torsional_friction,
+        )  # fmt: skip
+    for pair in apart:
+        a, b = map(materials.index, pair)
+        law[[a, b], [b, a], at.APART] = 1.0
+    setting, count = floats_of[at.SETTING][0], ints_of[at.COUNT][0]
     setting[at.DT] = setting[at.WHOLE_STEP] = setting[at.LAST_SPAN] = options.dt
     setting[at.GRAVITY : at.GRAVITY + 3] = finite("world", "gravity", gravity, (3,), "m/s2")
-    hertz = options.stiffest_hertz if options.contact_hertz is None else options.contact_hertz
-    setting[at.HERTZ], setting[at.DAMPING_RATIO] = hertz, options.contact_damping_ratio
+    setting[at.HERTZ] = options.stiffest_hertz if options.contact_hertz is None else options.contact_hertz
+    setting[at.DAMPING_RATIO] = options.contact_damping_ratio
     setting[at.MAX_PUSH], setting[at.MARGIN] = options.max_push, options.margin
     setting[at.STEP_TOLERANCE] = options.used_step_tolerance or 0.0
     setting[at.BOUNCE_SPEED] = -1.0 if options.bounce_speed is None else options.bounce_speed
-    count = at.int_table(ints, at.COUNT)[0]
-    count[at.BODIES], count[at.SHAPES], count[at.JOINTS] = n, ns, nj
+    count[at.BODIES], count[at.SHAPES], count[at.JOINTS] = len(bodies), len(solids), len(joints)
     count[at.SUBSTEPS], count[at.ITERATIONS], count[at.RELAXATIONS] = options.substeps, options.iterations, options.relaxations
     count[at.RUNGE_KUTTA] = int(options.integrator == "rk4")
     count[at.GYROSCOPIC], count[at.CONTINUOUS] = int(options.gyroscopic), CONTINUOUS.index(options.continuous)
-    at.int_table(ints, at.PROGRESS)[0, at.CANDIDATES] = -1
     count[at.MATERIALS], count[at.EXCLUSIONS] = len(materials), len(excluded)
-    at.int_table(ints, at.TALLY)[0, at.THREADS] = options.threads
+    ints_of[at.PROGRESS][0, at.CANDIDATES] = -1
+    ints_of[at.TALLY][0, at.THREADS] = options.threads
     if options.sleeping:
-        at.float_table(floats, ints, at.SLEEP)[0] = options.sleep_speed, options.sleep_time
+        floats_of[at.SLEEP][0] = options.sleep_speed, options.sleep_time
     return floats, ints
 
 
@@ -195,7 +147,16 @@ def _check_closed(body: Body) -> None:
                 raise NotSupported(f"triangle mesh of body '{body.name}', which forces move", str(error)) from error
 
 
-def _check_pairs(surfaces: Mapping[tuple[str, str], Surface], apart: Sequence[tuple[str, str]]) -> None:
+def _check_names(what: str, names: Sequence[str]) -> None:
+    """Raises: ValueError naming the first that was there before."""
+    known: set[str] = set()
+    for name in names:
+        if name in known:
+            raise ValueError(f"{what} '{name}': the name is taken")
+        known.add(name)
+
+
+def _check_pairs(surfaces: Mapping[tuple[str, str], Surface], apart: Pairs) -> None:
     """Raises: ValueError for what is no pair of materials, and for a pair with one law in each order."""
     for field, pairs in (("surfaces", surfaces), ("apart", apart)):
         for pair in pairs:
@@ -206,55 +167,65 @@ def _check_pairs(surfaces: Mapping[tuple[str, str], Surface], apart: Sequence[tu
             raise ValueError(f"world: surfaces give {(one, two)} and {(two, one)} different laws, expected one")
 
 
-def _convex_sizes(polyhedra: Sequence[Polyhedron], pairs: int, convex: bool, continuous: str) -> dict[Per, int]:
-    """How many rows the tables of the convex narrow phase have, none where a world needs none.
-
-    Swept collision measures all shapes by GJK and EPA.
-    """
-    widest = max((len(loop) for one in polyhedra for loop in one.loops), default=0)
+def _sizes(
+    bodies: Sequence[Body], joints: Sequence[Joint], solids: Sequence[tuple[int, Solid]], options: Options, spheres: bool,
+    islands: bool,
+) -> dict[Per, int]:  # fmt: skip
+    """How many rows tables have: none of what a world has no use for. Swept collision measures all shapes by GJK and EPA."""
+    n, shapes, rows = len(bodies) + 1, len(solids), 1 + sum(ROWS[type(joint)] + 3 for joint in joints)
+    rows += sum(count for joint in joints for *_, count in _beside_laws(joint))
+    movable = sum(bodies[i].motion == "dynamic" for i, _ in solids)
+    near = min(shapes * (shapes - 1) // 2, 8 * movable + 16) if options.contacts else 0
+    pairs = 0 if spheres else near
+    convex = any(solid.kind in (at.CYLINDER, at.ELLIPSOID, at.HULL, at.TRIANGLE) for _, solid in solids)
+    polyhedra = [solid.polyhedron for _, solid in solids if convex and solid.polyhedron is not None]
+    faces = [len(loop) for one in polyhedra for loop in one.loops]
+    coloured, resting = options.sweeps == COLOURED, options.sleeping * pairs
     return {
-        Per.VERTEX: sum(len(one.vertices) for one in polyhedra),
-        Per.FACE: sum(len(one.loops) for one in polyhedra),
-        Per.FACE_CORNER: sum(len(loop) for one in polyhedra for loop in one.loops),
-        Per.CONVEX_PAIR: pairs,
-        Per.CONVEX_POINT: 4 * pairs,
-        Per.SIMPLEX_CORNER: 560 if convex or continuous == "swept" else 0,
-        Per.POLYGON_CORNER: 3 * (2 * max(widest, 16) + 2) if convex else 0,
-    }
+        Per.WORLD: 1, Per.BODY: n, Per.SHAPE: shapes, Per.JOINT: len(joints), Per.ROW: rows, Per.ROW_OR_TRIAL: 2 * rows + 2,
+        Per.VECTOR: at.CAREFUL + 1, Per.CLIP_POINT: 32, Per.VERTEX: sum(len(one.vertices) for one in polyhedra),
+        Per.FACE: len(faces), Per.FACE_CORNER: sum(faces),
+        Per.SIMPLEX_CORNER: 560 if convex or options.continuous == "swept" else 0,
+        Per.POLYGON_CORNER: 3 * (2 * max([16, *faces]) + 2) if convex else 0,
+        Per.PRINCIPAL_BODY: n if options.integrator in FREE_INTEGRATORS else 0, Per.MOVER: n if spheres else 0,
+        Per.MEMBER: n if islands else 0, Per.SPAN: n + 2 if islands else 0, Per.SLEEPER: n if options.sleeping else 0,
+        Per.NEAR: near, Per.PAIR: pairs, Per.POINT: 4 * pairs + 1, Per.OLD_POINT: 4 * pairs, Per.TOUCH: near - pairs,
+        Per.CONVEX_PAIR: convex * pairs, Per.CONVEX_POINT: 4 * convex * pairs,
+        Per.COLOURED: coloured * near, Per.BAND: coloured * (at.COLOURS * at.MOST_BANDS + 1), Per.BANDED_WORLD: int(coloured),
+        Per.COLOURED_MOVER: n if coloured and spheres else 0, Per.ANSWERING_PAIR: near if options.sweeps == JACOBI else 0,
+        Per.RESTING_PAIR: resting, Per.RESTING_POINT: 4 * resting,
+    }  # fmt: skip
 
 
-def _sweep_sizes(bodies: int, pairs: int, options: Options, spheres: bool) -> dict[Per, int]:
-    """How many rows the tables of colours, and of answers at once, have, none where a world needs none."""
-    coloured = options.sweeps == COLOURED
-    return {
-        Per.COLOURED: pairs if coloured else 0,
-        Per.BAND: at.COLOURS * at.MOST_BANDS + 1 if coloured else 0,
-        Per.BANDED_WORLD: int(coloured),
-        Per.COLOURED_MOVER: bodies + 1 if coloured and spheres else 0,
-        Per.ANSWERING_PAIR: pairs if options.sweeps == JACOBI else 0,
-    }
+def _write_shapes(
+    tables: Tables, bodies: Sequence[Body], solids: Sequence[tuple[int, Solid]], materials: Sequence[str]
+) -> None:
+    """Fill the tables of shapes. Raises: ValueError for a plane that forces move."""
+    floats, ints = tables
+    floats[at.REST][:] = np.inf
+    floats[at.POSE][:, 3:12:4] = 1.0
+    ints[at.ORDER][:, 0] = np.arange(len(solids))
+    for s, (i, solid) in enumerate(solids):
+        if solid.kind == at.PLANE and bodies[i].motion == "dynamic":
+            raise ValueError(f"body '{bodies[i].name}': a plane is endless, so its body must be static or kinematic")
+        row, body = floats[at.SHAPE][s], floats[at.BODY][i]
+        row[at.OFFSET : at.OFFSET + 3], row[at.TURN : at.TURN + 4] = solid.offset, solid.turn
+        row[at.SIZE : at.SIZE + 3], row[at.BALL_RADIUS] = solid.size, solid.radius
+        body[at.EXTENT] = max(body[at.EXTENT], min(float(norm(solid.offset)) + solid.radius, ENDLESS))
+        ints[at.SHAPE_KIND][s] = solid.kind, i, materials.index(bodies[i].material), solid.part
+        ints[at.POLYHEDRON][s, at.INNER] = solid.inner
 
 
-def _island_sizes(bodies: int, pairs: int, options: Options, wanted: bool) -> dict[Per, int]:
-    """How many rows the tables of islands and of sleep have, none where a world needs none."""
-    rests = pairs if options.sleeping else 0
-    return {
-        Per.MEMBER: bodies + 1 if wanted else 0,
-        Per.SPAN: bodies + 3 if wanted else 0,
-        Per.SLEEPER: bodies + 1 if options.sleeping else 0,
-        Per.RESTING_PAIR: rests,
-        Per.RESTING_POINT: 4 * rests,
-    }
-
-
-def _write_polyhedra(floats: Floats, ints: Ints, polyhedra: Sequence[tuple[int, Polyhedron]]) -> None:
-    """Fill the tables of corners and faces; the number in front of each polyhedron is its shape."""
-    vertex, face = at.float_table(floats, ints, at.VERTEX), at.float_table(floats, ints, at.FACE)
-    table, span, loop = at.int_table(ints, at.POLYHEDRON), at.int_table(ints, at.SPAN), at.int_table(ints, at.LOOP)
+def _write_polyhedra(tables: Tables, polyhedra: Sequence[Polyhedron | None]) -> None:
+    """Fill the tables of corners and faces, of the shapes in turn."""
+    floats, ints = tables
+    span, loop = ints[at.SPAN], ints[at.LOOP]
     v, f, c = 0, 0, 0
-    for s, one in polyhedra:
-        table[s, : at.INNER] = v, len(one.vertices), f, len(one.loops)
-        vertex[v : v + len(one.vertices)], face[f : f + len(one.loops)] = one.vertices, one.normals
+    for s, one in enumerate(polyhedra):
+        if one is None:
+            continue
+        ints[at.POLYHEDRON][s, : at.INNER] = v, len(one.vertices), f, len(one.loops)
+        floats[at.VERTEX][v : v + len(one.vertices)], floats[at.FACE][f : f + len(one.loops)] = one.vertices, one.normals
         for corners in one.loops:
             span[f] = c, len(corners)
             loop[c : c + len(corners), 0] = np.array(corners) + v
@@ -262,18 +233,16 @@ def _write_polyhedra(floats: Floats, ints: Ints, polyhedra: Sequence[tuple[int, 
         v += len(one.vertices)
 
 
-def _write_bodies(floats: Floats, ints: Ints, bodies: Sequence[Body]) -> None:
+def _write_bodies(tables: Tables, bodies: Sequence[Body]) -> None:
     """Fill the tables of states, masses and kinds."""
-    state, table = at.float_table(floats, ints, at.STATE), at.float_table(floats, ints, at.BODY)
-    turned, kind = at.float_table(floats, ints, at.TURNED), at.int_table(ints, at.BODY_KIND)
-    principal = at.float_table(floats, ints, at.PRINCIPAL)
+    floats, ints = tables
+    state, table, turned, principal = (floats[k] for k in (at.STATE, at.BODY, at.TURNED, at.PRINCIPAL))
     state[:, at.Q] = 1.0
     for i, body in enumerate(bodies):
         label = f"body '{body.name}'"
         q = unit_quaternion(label, "q_WB", body.q_WB)
-        state[i, at.P : at.P + 3], state[i, at.Q : at.Q + 4] = body.p_WB, q
-        state[i, at.V : at.V + 3], state[i, at.W : at.W + 3] = body.v_WB, body.w_WB
-        kind[i, at.MOTION] = MOTIONS[body.motion]
+        state[i] = *body.p_WB, *q, *body.v_WB, *body.w_WB
+        ints[at.BODY_KIND][i, at.MOTION] = MOTIONS[body.motion]
         if body.motion != "dynamic" or body.massless:
             continue
         inertia = spd_inertia(label, body.inertia)
@@ -288,23 +257,7 @@ def _write_bodies(floats: Floats, ints: Ints, bodies: Sequence[Body]) -> None:
         turned[i] = six(mat_mat(mat_mat(r, mobility), r.T))
 
 
-def _along(joint: Joint) -> int:
-    """How many rows the rotor, the dry friction and the limit of speed of a joint take."""
-    if not isinstance(joint, Revolute | Prismatic):
-        return 0
-    return (joint.armature > 0) + (joint.friction_loss > 0) + 2 * (joint.speed_limit < math.inf)
-
-
-def _rate(joint: Joint, axis: Floats, state_a: Floats, state_b: Floats, anchor: Floats) -> float:
-    """The rate of a joint's coordinate at the start [rad/s or m/s], of bodies in these states (13,), about or along an axis."""
-    w_a, w_b = state_a[at.W : at.W + 3], state_b[at.W : at.W + 3]
-    if isinstance(joint, Revolute):
-        return float(dot(axis, w_b - w_a))
-    v_a, v_b = (state[at.V : at.V + 3] + np.cross(state[at.W : at.W + 3], anchor - state[:3]) for state in (state_a, state_b))
-    return float(dot(axis, v_b - v_a))
-
-
-def _write_joint(floats: Floats, ints: Ints, j: int, joint: Joint, index: Mapping[str, int], bodies: Sequence[Body]) -> None:
+def _write_joint(tables: Tables, j: int, joint: Joint, index: Mapping[str, int], bodies: Mapping[str, Body]) -> None:
     """Fill one row of the tables of joints. Raises: ValueError for unknown bodies, or two that cannot move."""
     label = f"joint '{joint.name}'"
     for role in ("parent", "child"):
@@ -313,43 +266,44 @@ def _write_joint(floats: Floats, ints: Ints, j: int, joint: Joint, index: Mappin
     a, b = index[joint.parent], index[joint.child]
     if a == b:
         raise ValueError(f"{label}: parent and child are both '{joint.parent}'")
-    if all(i == len(bodies) or bodies[i].motion != "dynamic" for i in (a, b)):
+    if not any(name in bodies and bodies[name].motion == "dynamic" for name in (joint.parent, joint.child)):
         raise ValueError(f"{label}: neither '{joint.parent}' nor '{joint.child}' is dynamic")
-    state = at.float_table(floats, ints, at.STATE)
-    row, kind = at.float_table(floats, ints, at.JOINT)[j], at.int_table(ints, at.JOINT_KIND)[j]
+    floats, ints = tables
+    state, row, kind = floats[at.STATE], floats[at.JOINT][j], ints[at.JOINT_KIND][j]
     ra, rb = quat_mat(state[a, at.Q : at.Q + 4]), quat_mat(state[b, at.Q : at.Q + 4])
-    kind[at.HAS] = write_laws(row, None, None, None)
-    kind[[at.PARENT, at.CHILD]] = a, b
     qa = state[a, at.Q : at.Q + 4] * (1, -1, -1, -1)
     row[at.TURN_AB : at.TURN_AB + 4] = quat_mul(qa, state[b, at.Q : at.Q + 4])
     anchor_a = state[b, :3] if isinstance(joint, Fixed) else np.asarray(joint.anchor_W, float)
     anchor_b = np.asarray(joint.child_anchor_W, float) if isinstance(joint, Distance) else anchor_a
     row[at.ANCHOR_A : at.ANCHOR_A + 3] = mat_vec(ra.T, anchor_a - state[a, :3])
     row[at.ANCHOR_B : at.ANCHOR_B + 3] = mat_vec(rb.T, anchor_b - state[b, :3])
-    if isinstance(joint, Fixed):
-        kind[at.JOINT_TYPE] = at.FIXED
-        return
-    if isinstance(joint, Ball):
-        kind[at.JOINT_TYPE] = at.BALL
-        return
+    laws = (
+        (None, None, None) if isinstance(joint, Fixed | Ball) else (joint.limits, joint.spring, getattr(joint, "drive", None))
+    )
+    kind[[at.JOINT_TYPE, at.PARENT, at.CHILD, at.HAS]] = TYPES[type(joint)], a, b, write_laws(row, *laws)
     if isinstance(joint, Distance):
-        kind[at.JOINT_TYPE] = at.DISTANCE
         row[at.LENGTH] = float(norm(anchor_b - anchor_a))
-    else:
-        kind[at.JOINT_TYPE] = at.REVOLUTE if isinstance(joint, Revolute) else at.PRISMATIC
+    elif isinstance(joint, Revolute | Prismatic):
         axis = unit(np.asarray(joint.axis_W, float))
         row[at.AXIS_A : at.AXIS_A + 3], row[at.AXIS_B : at.AXIS_B + 3] = mat_vec(ra.T, axis), mat_vec(rb.T, axis)
         row[at.POSITION] = row[at.COORDINATE] = joint.position
+        for bit, column, value, _ in _beside_laws(joint):
+            kind[at.HAS] |= bit
+            row[column] = value
         if joint.armature > 0:
-            kind[at.HAS] |= at.HAS_ARMATURE
-            row[at.ARMATURE], row[at.ROTOR_RATE] = joint.armature, _rate(joint, axis, state[a], state[b], anchor_a)
-        if joint.friction_loss > 0:
-            kind[at.HAS] |= at.HAS_FRICTION
-            row[at.FRICTION_LOSS] = joint.friction_loss
-        if joint.speed_limit < math.inf:
-            kind[at.HAS] |= at.HAS_SPEED_LIMIT
-            row[at.SPEED_LIMIT] = joint.speed_limit
-    kind[at.HAS] |= write_laws(row, joint.limits, joint.spring, None if isinstance(joint, Distance) else joint.drive)
+            row[at.ROTOR_RATE], _ = coordinate_rate(bodies, joint)
+
+
+def _beside_laws(joint: Joint) -> Iterator[tuple[int, int, float, int]]:
+    """Of the rotor, the dry friction and the limit of speed of a joint that it has: bit of HAS, column, value, and rows."""
+    if not isinstance(joint, Revolute | Prismatic):
+        return
+    if joint.armature > 0:
+        yield at.HAS_ARMATURE, at.ARMATURE, joint.armature, 1
+    if joint.friction_loss > 0:
+        yield at.HAS_FRICTION, at.FRICTION_LOSS, joint.friction_loss, 1
+    if joint.speed_limit < math.inf:
+        yield at.HAS_SPEED_LIMIT, at.SPEED_LIMIT, joint.speed_limit, 2
 
 
 def write_laws(row: Floats, limits: Limits | None, spring: Spring | None, drive: Drive | None) -> int:
@@ -370,18 +324,13 @@ def write_laws(row: Floats, limits: Limits | None, spring: Spring | None, drive:
 
 def grow(floats: Floats, ints: Ints) -> tuple[Floats, Ints]:
     """The same world in an arena with room for twice as many pairs, or so often twice that those found find it."""
-    old_floats = [at.float_table(floats, ints, k) for k in range(at.FLOAT_TABLES)]
-    old_ints = [at.int_table(ints, k) for k in range(at.INT_TABLES)]
+    old_floats, old_ints = at.tables(floats, ints)
     times, room, found = 2, len(old_ints[at.PAIR]), old_ints[at.COUNT][0, at.PAIRS]
     while 0 < times * room < found:
         times *= 2
-    more = [[times if table.rows.grows else 1 for table in tables] for tables in (FLOATS, INTS)]
-    new_floats, new_ints = at.new_arena(
-        [(grown * old.shape[0], old.shape[1]) for grown, old in zip(more[0], old_floats, strict=True)],
-        [(grown * old.shape[0], old.shape[1]) for grown, old in zip(more[1], old_ints, strict=True)],
-    )
-    for k, table in enumerate(old_floats):
-        at.float_table(new_floats, new_ints, k)[: table.shape[0]] = table
-    for k, whole in enumerate(old_ints):
-        at.int_table(new_ints, k)[: whole.shape[0]] = whole
+    old: list[Floats | Ints] = [*old_floats, *old_ints]
+    more = [times if table.rows.grows else 1 for table in FLOATS + INTS]
+    new_floats, new_ints = at.new_arena(np.array([(k * len(one), one.shape[1]) for k, one in zip(more, old, strict=True)]))
+    for new, one in zip((k for of in at.tables(new_floats, new_ints) for k in of), old, strict=True):
+        new[: len(one)] = one
     return new_floats, new_ints

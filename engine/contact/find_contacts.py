@@ -9,7 +9,7 @@ Source: Catto, Iterative Dynamics with Temporal Coherence, GDC 2005.
 
 import math
 
-from plumbline.engine.broad.bounds import brute_force, collision_filter_of, place_shapes
+from plumbline.engine.broad.bounds import brute_force
 from plumbline.engine.compile.jit import inlined, kernel
 from plumbline.engine.contact.manifolds import build_manifolds
 from plumbline.engine.contact.warm_starting import keep_old, start_anew
@@ -88,14 +88,10 @@ def find_contacts(floats: Floats, ints: Ints) -> int:
         return SEARCH_PENDING
     bodies, shapes, rules = bodies_of(floats, ints), shapes_of(floats, ints), rules_of(floats, ints)
     pairs, new, old = pairs_of(floats, ints), contacts_of(floats, ints), old_contacts_of(floats, ints)
-    bounds, rest = floats_of(floats, ints, at.BOUNDS), floats_of(floats, ints, at.REST)
-    state, kind, setting, count = bodies.state, bodies.kind, rules.setting, rules.numbers
-    mark_still(bodies, rest, setting, count[0, at.BODIES])
+    state, kind, count, rest = bodies.state, bodies.kind, rules.numbers, floats_of(floats, ints, at.REST)
+    mark_still(bodies, rest, rules.setting, count[0, at.BODIES])
     if count[0, at.BROAD] == 0:
-        place_shapes(floats, ints)
-        count[0, at.PAIRS] = brute_force(
-            collision_filter_of(floats, ints), bounds, shapes.pose, count[0, at.SHAPES], pairs.pair
-        )
+        brute_force(floats, ints)
     if count[0, at.PAIRS] > pairs.pair.shape[0]:
         return FULL
     for p in range(count[0, at.PAIRS]):

@@ -67,6 +67,6 @@ def sphere_points(floats: Floats, ints: Ints, count: int, margin: float, dt: flo
     )
 
 
-def joined(first: Contacts, second: Contacts) -> Contacts:
-    """The points of both, one after the other."""
-    return Contacts(*(np.concatenate([getattr(first, f.name), getattr(second, f.name)]) for f in fields(Contacts)))
+def joined(*parts: Contacts) -> Contacts:
+    """The points of all, one after the other."""
+    return Contacts(*(np.concatenate([getattr(part, f.name) for part in parts]) for f in fields(Contacts)))

@@ -3,7 +3,7 @@
 Source: Ericson, Real-Time Collision Detection, section 4.3.1; Catto, Iterative Dynamics with Temporal Coherence, GDC 2005.
 """
 
-from plumbline.engine.broad.bounds import brute_force, collision_filter_of, place_shapes
+from plumbline.engine.broad.bounds import brute_force
 from plumbline.engine.broad.candidates import rank_of
 from plumbline.engine.compile.jit import kernel
 from plumbline.engine.contact.find_contacts import needs_search
@@ -170,12 +170,10 @@ def find_touches(floats: Floats, ints: Ints) -> int:
     """Find the contacts of this step and mark the bodies they touch. Returns: DONE, or SEARCH_PENDING or FULL."""
     if needs_search(ints):
         return SEARCH_PENDING
-    pose, bounds = floats_of(floats, ints, at.POSE), floats_of(floats, ints, at.BOUNDS)
-    pair, count = ints_of(ints, at.PAIR), ints_of(ints, at.COUNT)
+    count = ints_of(ints, at.COUNT)
     if count[0, at.BROAD] == 0:
-        place_shapes(floats, ints)
-        count[0, at.PAIRS] = brute_force(collision_filter_of(floats, ints), bounds, pose, count[0, at.SHAPES], pair)
-        if count[0, at.PAIRS] > pair.shape[0]:
+        brute_force(floats, ints)
+        if count[0, at.PAIRS] > len(ints_of(ints, at.PAIR)):
             return FULL
     ints_of(ints, at.TALLY)[0, at.SEARCHED] = 0
     gather(floats, ints)

@@ -2,11 +2,11 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Annotated, Any, ClassVar, Literal, get_args
 
 import numpy as np
 
-from plumbline.engine.describe.check import finite, not_negative, positive, spd_inertia, unit_quaternion
+from plumbline.engine.describe.check import Described, finite, not_negative, one_of, positive, spd_inertia, unit_quaternion
 from plumbline.engine.describe.optics import Optics
 from plumbline.engine.describe.shapes import Placed
 from plumbline.engine.maths.types import Floats
@@ -15,12 +15,14 @@ Numbers = Sequence[float] | Floats
 """A few numbers: a tuple, a list or an array."""
 
 
+Motion = Literal["dynamic", "static", "kinematic"]
+
 PLAIN = Optics()
 """Light grey that only scatters."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Body:
+class Body(Described):
     """A rigid body.
 
     Terms:
@@ -31,6 +33,7 @@ class Body:
         velocities whatever touches it.
     """
 
+    ELEMENT: ClassVar[str] = "body '{0.name}'"
     name: str = "body"
     mass: float = 1.0
     inertia: Any = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
@@ -38,25 +41,24 @@ class Body:
     visual: Sequence[Placed] | None = None
     material: str = "default"
     optics: Optics = PLAIN
-    p_WB: Numbers = (0.0, 0.0, 0.0)
-    q_WB: Numbers = (1.0, 0.0, 0.0, 0.0)
-    v_WB: Numbers = (0.0, 0.0, 0.0)
-    w_WB: Numbers = (0.0, 0.0, 0.0)
-    motion: Literal["dynamic", "static", "kinematic"] = "dynamic"
-    linear_damping: float = 0.0
-    angular_damping: float = 0.0
+    p_WB: Annotated[Numbers, finite, (3,), "m"] = (0.0, 0.0, 0.0)
+    q_WB: Annotated[Numbers, unit_quaternion] = (1.0, 0.0, 0.0, 0.0)
+    v_WB: Annotated[Numbers, finite, (3,), "m/s"] = (0.0, 0.0, 0.0)
+    w_WB: Annotated[Numbers, finite, (3,), "rad/s"] = (0.0, 0.0, 0.0)
+    motion: Annotated[Motion, one_of, get_args(Motion)] = "dynamic"
+    linear_damping: Annotated[float, not_negative, "1/s"] = 0.0
+    angular_damping: Annotated[float, not_negative, "1/s"] = 0.0
 
     def __post_init__(self) -> None:
-        label = f"body '{self.name}'"
         if not isinstance(self.name, str) or not self.name:
             raise ValueError(f"body: name {self.name!r}, expected words")
+        self.check_fields()
+        label = self.label
         for part, placed in enumerate(self.shapes):
             if not isinstance(placed, Placed):
                 raise ValueError(f"{label}: shape {part} is {placed!r}, expected a Placed")
         if not isinstance(self.optics, Optics):
             raise ValueError(f"{label}: optics {self.optics!r}, expected Optics")
-        if self.motion not in ("dynamic", "static", "kinematic"):
-            raise ValueError(f"{label}: motion '{self.motion}', expected dynamic, static or kinematic")
         if self.motion == "dynamic":
             if self.massless:
                 if self.shapes or self.linear_damping or self.angular_damping:
@@ -64,14 +66,8 @@ class Body:
             else:
                 positive(label, "mass", self.mass, "kg")
                 spd_inertia(label, self.inertia)
-        finite(label, "p_WB", self.p_WB, (3,), "m")
-        unit_quaternion(label, "q_WB", self.q_WB)
-        finite(label, "v_WB", self.v_WB, (3,), "m/s")
-        finite(label, "w_WB", self.w_WB, (3,), "rad/s")
         if self.motion == "static" and (np.any(np.asarray(self.v_WB, float)) or np.any(np.asarray(self.w_WB, float))):
             raise ValueError(f"{label}: static, but v_WB {tuple(self.v_WB)} m/s or w_WB {tuple(self.w_WB)} rad/s is not zero")
-        not_negative(label, "linear_damping", self.linear_damping, "1/s")
-        not_negative(label, "angular_damping", self.angular_damping, "1/s")
 
     @property
     def massless(self) -> bool:
@@ -80,7 +76,7 @@ class Body:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Surface:
+class Surface(Described):
     """The law between a pair of materials.
 
     Terms:
@@ -88,15 +84,14 @@ class Surface:
         separation over approach speed; rolling_friction, torsional_friction [m]: moment over normal force.
     """
 
-    static_friction: float = 0.0
-    kinetic_friction: float = 0.0
-    restitution: float = 0.0
-    rolling_friction: float = 0.0
-    torsional_friction: float = 0.0
+    static_friction: Annotated[float, not_negative, ""] = 0.0
+    kinetic_friction: Annotated[float, not_negative, ""] = 0.0
+    restitution: Annotated[float, not_negative, ""] = 0.0
+    rolling_friction: Annotated[float, not_negative, ""] = 0.0
+    torsional_friction: Annotated[float, not_negative, ""] = 0.0
 
     def __post_init__(self) -> None:
-        for name in ("static_friction", "kinetic_friction", "restitution", "rolling_friction", "torsional_friction"):
-            not_negative("surface", name, getattr(self, name), "")
+        self.check_fields()
         if self.static_friction < self.kinetic_friction:
             raise ValueError(
                 f"surface: static_friction {self.static_friction} lies below kinetic_friction {self.kinetic_friction}"

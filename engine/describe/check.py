@@ -1,12 +1,54 @@
 """Refuse bad input at the door, with a sentence that names element, field and value."""
 
 import math
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import fields
+from functools import cache
 from numbers import Integral, Real
-from typing import Any
+from typing import Any, ClassVar, cast
 
 import numpy as np
 
 from plumbline.engine.maths.arrays import eigenvalues, norm
+
+
+class Described:
+    """A dataclass whose fields are checked when it is made: Annotated[type, check, what the check is told beside the value].
+
+    A field that is None by default may be None. ELEMENT: what errors call it, {0} itself; the words of its type if empty.
+    """
+
+    __slots__ = ()
+    ELEMENT: ClassVar[str] = ""
+
+    @property
+    def label(self) -> str:
+        """What errors call it."""
+        return self.ELEMENT.format(self) if self.ELEMENT else _words(type(self).__name__)
+
+    def __post_init__(self) -> None:
+        self.check_fields()
+
+    def check_fields(self) -> None:
+        """Raises: ValueError naming the first field whose value its check refuses."""
+        label, kind = self.label, cast(Any, type(self))
+        for name, optional, check, told in _checks(kind):
+            value = getattr(self, name)
+            if not (optional and value is None):
+                check(label, name, value, *told)
+
+
+@cache
+def _words(name: str) -> str:
+    return re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name).lower()
+
+
+@cache
+def _checks(kind: Any) -> list[tuple[str, bool, Callable[..., Any], tuple[Any, ...]]]:
+    """Of each field of a dataclass that is checked: its name, whether it may be None, its check, and what that is told."""
+    found = [(one.name, one.default is None, getattr(one.type, "__metadata__", ())) for one in fields(kind)]
+    return [(name, optional, told[0], told[1:]) for name, optional, told in found if told]
 
 
 def finite(element: str, field: str, value: Any, shape: tuple[int, ...], unit: str) -> np.ndarray[Any, np.dtype[np.float64]]:
@@ -52,6 +94,37 @@ def not_negative(element: str, field: str, value: float, unit: str) -> float:
     if not (math.isfinite(value) and value >= 0):
         raise ValueError(f"{element}: {field} {value} {unit}, expected a finite number of at least 0")
     return float(value)
+
+
+def lengths(element: str, field: str, value: Any) -> None:
+    """Raises: ValueError unless it is three lengths [m] above zero."""
+    finite(element, field, value, (3,), "m")
+    for one in value:
+        positive(element, field, one, "m")
+
+
+def above_zero(element: str, field: str, value: float) -> None:
+    """Raises: ValueError unless it is a number above zero; it may be infinite."""
+    if not number(element, field, value) > 0:
+        raise ValueError(f"{element}: {field} {value}, expected above 0")
+
+
+def not_zero(element: str, field: str, value: float, unit: str) -> None:
+    """Raises: ValueError unless it is a finite number other than zero."""
+    if finite(element, field, value, (), unit) == 0:
+        raise ValueError(f"{element}: {field} {value}, expected another than 0")
+
+
+def between(element: str, field: str, value: float, least: float, most: float) -> None:
+    """Raises: ValueError unless it is a number from the least to the most."""
+    if not least <= number(element, field, value) <= most:
+        raise ValueError(f"{element}: {field} {value}, expected {least:g} to {most:g}")
+
+
+def one_of(element: str, field: str, value: Any, choices: Sequence[str]) -> None:
+    """Raises: ValueError unless it is one of the choices."""
+    if value not in choices:
+        raise ValueError(f"{element}: {field} {value!r}, expected one of {', '.join(choices)}")
 
 
 def direction(element: str, field: str, value: Any) -> np.ndarray[Any, np.dtype[np.float64]]:

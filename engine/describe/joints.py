@@ -3,8 +3,11 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Annotated, ClassVar
 
-from plumbline.engine.describe.check import direction, finite, not_negative, number
+import numpy as np
+
+from plumbline.engine.describe.check import Described, above_zero, direction, finite, not_negative, not_zero, number
 from plumbline.engine.maths.arrays import norm
 
 WORLD = "world"
@@ -12,117 +15,86 @@ WORLD = "world"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Limits:
+class Limits(Described):
     """The range of the joint's coordinate [rad or m]."""
 
-    lower: float = -math.inf
-    upper: float = math.inf
+    lower: Annotated[float, number] = -math.inf
+    upper: Annotated[float, number] = math.inf
 
     def __post_init__(self) -> None:
-        lower, upper = number("limits", "lower", self.lower), number("limits", "upper", self.upper)
-        if not (lower <= upper and lower < math.inf and upper > -math.inf):
+        self.check_fields()
+        if not (self.lower <= self.upper and self.lower < math.inf and self.upper > -math.inf):
             raise ValueError(f"limits: lower {self.lower}, upper {self.upper}, expected lower at most upper and a range")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Spring:
+class Spring(Described):
     """f = -stiffness (x - rest) - damping x'."""
 
-    stiffness: float = 0.0
-    damping: float = 0.0
-    rest: float = 0.0
-
-    def __post_init__(self) -> None:
-        not_negative("spring", "stiffness", self.stiffness, "N/m or N m/rad")
-        not_negative("spring", "damping", self.damping, "N s/m or N m s/rad")
-        finite("spring", "rest", self.rest, (), "m or rad")
+    stiffness: Annotated[float, not_negative, "N/m or N m/rad"] = 0.0
+    damping: Annotated[float, not_negative, "N s/m or N m s/rad"] = 0.0
+    rest: Annotated[float, finite, (), "m or rad"] = 0.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Drive:
+class Drive(Described):
     """f = stiffness (target - x) + damping (target_velocity - x'), at most `limit` [N or N m]."""
 
-    stiffness: float = 0.0
-    damping: float = 0.0
-    target: float = 0.0
-    target_velocity: float = 0.0
-    limit: float = math.inf
-
-    def __post_init__(self) -> None:
-        not_negative("drive", "stiffness", self.stiffness, "N/m or N m/rad")
-        not_negative("drive", "damping", self.damping, "N s/m or N m s/rad")
-        finite("drive", "target", self.target, (), "m or rad")
-        finite("drive", "target_velocity", self.target_velocity, (), "m/s or rad/s")
-        if not number("drive", "limit", self.limit) > 0:
-            raise ValueError(f"drive: limit {self.limit}, expected above 0")
+    stiffness: Annotated[float, not_negative, "N/m or N m/rad"] = 0.0
+    damping: Annotated[float, not_negative, "N s/m or N m s/rad"] = 0.0
+    target: Annotated[float, finite, (), "m or rad"] = 0.0
+    target_velocity: Annotated[float, finite, (), "m/s or rad/s"] = 0.0
+    limit: Annotated[float, above_zero] = math.inf
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Coupling:
+class Coupling(Described):
     """x = ratio y + offset at all times, of the coordinate y of another joint with one."""
 
+    ELEMENT: ClassVar[str] = "coupling to '{0.joint}'"
     joint: str
-    ratio: float
-    offset: float = 0.0
-
-    def __post_init__(self) -> None:
-        finite(f"coupling to '{self.joint}'", "offset", self.offset, (), "rad or m")
-        if finite(f"coupling to '{self.joint}'", "ratio", self.ratio, (), "1") == 0:
-            raise ValueError(f"coupling to '{self.joint}': ratio {self.ratio}, expected another than 0")
+    ratio: Annotated[float, not_zero, "1"]
+    offset: Annotated[float, finite, (), "rad or m"] = 0.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Fixed:
+class _Joint(Described):
+    """What every joint has: a name, the bodies that it holds, and whether these collide."""
+
+    ELEMENT: ClassVar[str] = "joint '{0.name}'"
+    name: str
+    parent: str
+    child: str
+    collide: bool = False
+
+
+class Fixed(_Joint):
     """No relative motion."""
 
-    name: str
-    parent: str
-    child: str
-    collide: bool = False
+    __slots__ = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Ball:
+class Ball(_Joint):
     """A point common to both bodies."""
 
-    name: str
-    parent: str
-    child: str
-    anchor_W: Sequence[float]
-    collide: bool = False
-
-    def __post_init__(self) -> None:
-        finite(f"joint '{self.name}'", "anchor_W", self.anchor_W, (3,), "m")
+    anchor_W: Annotated[Sequence[float], finite, (3,), "m"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class _Scalar:
+class _Scalar(_Joint):
     """A joint with one coordinate; `position` is the coordinate in the initial pose, armature of a rotor that turns with it."""
 
-    name: str
-    parent: str
-    child: str
-    anchor_W: Sequence[float]
-    axis_W: Sequence[float]
-    position: float = 0.0
+    anchor_W: Annotated[Sequence[float], finite, (3,), "m"]
+    axis_W: Annotated[Sequence[float], direction]
+    position: Annotated[float, finite, (), "rad or m"] = 0.0
     limits: Limits | None = None
     spring: Spring | None = None
     drive: Drive | None = None
-    armature: float = 0.0
-    friction_loss: float = 0.0
-    speed_limit: float = math.inf
+    armature: Annotated[float, not_negative, "kg m2 or kg"] = 0.0
+    friction_loss: Annotated[float, not_negative, "N m or N"] = 0.0
+    speed_limit: Annotated[float, above_zero] = math.inf
     coupling: Coupling | None = None
-    collide: bool = False
-
-    def __post_init__(self) -> None:
-        label = f"joint '{self.name}'"
-        finite(label, "anchor_W", self.anchor_W, (3,), "m")
-        direction(label, "axis_W", self.axis_W)
-        finite(label, "position", self.position, (), "rad or m")
-        not_negative(label, "armature", self.armature, "kg m2 or kg")
-        not_negative(label, "friction_loss", self.friction_loss, "N m or N")
-        if not number(label, "speed_limit", self.speed_limit) > 0:
-            raise ValueError(f"{label}: speed_limit {self.speed_limit}, expected above 0")
 
 
 class Revolute(_Scalar):
@@ -145,23 +117,20 @@ class Prismatic(_Scalar):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Distance:
+class Distance(_Joint):
     """The distance of two anchors: kept as it is at the start, or within limits, or held by a spring."""
 
-    name: str
-    parent: str
-    child: str
-    anchor_W: Sequence[float]
-    child_anchor_W: Sequence[float]
+    anchor_W: Annotated[Sequence[float], finite, (3,), "m"]
+    child_anchor_W: Annotated[Sequence[float], finite, (3,), "m"]
     limits: Limits | None = None
     spring: Spring | None = None
     collide: bool = True
 
     def __post_init__(self) -> None:
-        a = finite(f"joint '{self.name}'", "anchor_W", self.anchor_W, (3,), "m")
-        b = finite(f"joint '{self.name}'", "child_anchor_W", self.child_anchor_W, (3,), "m")
+        self.check_fields()
+        a, b = np.asarray(self.anchor_W, float), np.asarray(self.child_anchor_W, float)
         if float(norm(b - a)) < 1e-12:
-            raise ValueError(f"joint '{self.name}': both anchors lie at {a.tolist()} m, expected a distance above 0")
+            raise ValueError(f"{self.label}: both anchors lie at {a.tolist()} m, expected a distance above 0")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -181,8 +150,7 @@ class Tendon:
         if not self.arms:
             raise ValueError(f"tendon '{self.name}': no arms, expected at least one")
         for joint, arm in self.arms.items():
-            if finite(f"tendon '{self.name}'", f"arm of '{joint}'", arm, (), "m/rad or 1") == 0:
-                raise ValueError(f"tendon '{self.name}': arm of '{joint}' {arm}, expected another than 0")
+            not_zero(f"tendon '{self.name}'", f"arm of '{joint}'", arm, "m/rad or 1")
 
 
 Joint = Fixed | Ball | Revolute | Prismatic | Distance

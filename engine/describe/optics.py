@@ -2,18 +2,19 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Annotated
 
-from plumbline.engine.describe.check import direction, finite, not_negative, number
+from plumbline.engine.describe.check import Described, between, direction, finite, not_negative
 
 
-def _share(label: str, field: str, value: float) -> None:
-    """Raises: ValueError unless the value lies between 0 and 1."""
-    if not 0.0 <= number(label, field, value) <= 1.0:
-        raise ValueError(f"{label}: {field} {value}, expected 0 to 1")
+def _shares(label: str, field: str, value: Sequence[float]) -> None:
+    """Raises: ValueError unless it is three shares."""
+    for one in finite(label, field, value, (3,), "1"):
+        between(label, field, float(one), 0, 1)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Optics:
+class Optics(Described):
     """Of the light that arrives, `mirror` is reflected, of the rest `transmission` meets a clear solid, what is left scatters.
 
     Terms:
@@ -22,22 +23,14 @@ class Optics:
         a solid of this refractive_index [1] in air of index 1.
     """
 
-    colour: Sequence[float] = (0.8, 0.8, 0.8)
-    mirror: float = 0.0
-    transmission: float = 0.0
-    refractive_index: float = 1.5
-
-    def __post_init__(self) -> None:
-        for one in finite("optics", "colour", self.colour, (3,), "1"):
-            _share("optics", "colour", float(one))
-        _share("optics", "mirror", self.mirror)
-        _share("optics", "transmission", self.transmission)
-        if not 1.0 <= number("optics", "refractive_index", self.refractive_index) <= 4.0:
-            raise ValueError(f"optics: refractive_index {self.refractive_index}, expected 1 to 4")
+    colour: Annotated[Sequence[float], _shares] = (0.8, 0.8, 0.8)
+    mirror: Annotated[float, between, 0, 1] = 0.0
+    transmission: Annotated[float, between, 0, 1] = 0.0
+    refractive_index: Annotated[float, between, 1, 4] = 1.5
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Sun:
+class Sun(Described):
     """Light from one direction and from the whole sky.
 
     Terms:
@@ -45,11 +38,6 @@ class Sun:
         irradiance / pi. sky [1]: radiance of the sky, the same everywhere.
     """
 
-    towards_W: Sequence[float] = (0.48, 0.36, 0.8)
-    irradiance: float = 1.0
-    sky: float = 0.5
-
-    def __post_init__(self) -> None:
-        direction("sun", "towards_W", self.towards_W)
-        not_negative("sun", "irradiance", self.irradiance, "")
-        not_negative("sun", "sky", self.sky, "")
+    towards_W: Annotated[Sequence[float], direction] = (0.48, 0.36, 0.8)
+    irradiance: Annotated[float, not_negative, ""] = 1.0
+    sky: Annotated[float, not_negative, ""] = 0.5

@@ -2,11 +2,11 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import get_args
+from typing import Annotated, Any, ClassVar, get_args
 
 import numpy as np
 
-from plumbline.engine.describe.check import direction, finite, positive
+from plumbline.engine.describe.check import Described, direction, finite, lengths, positive, unit_quaternion
 from plumbline.engine.maths.arrays import norm
 
 FLAT = 1e-12
@@ -14,75 +14,51 @@ FLAT = 1e-12
 
 
 @dataclass(frozen=True, slots=True)
-class Sphere:
+class Sphere(Described):
     """A ball about the origin."""
 
-    radius: float
-
-    def __post_init__(self) -> None:
-        positive("sphere", "radius", self.radius, "m")
+    radius: Annotated[float, positive, "m"]
 
 
 @dataclass(frozen=True, slots=True)
-class Box:
+class Box(Described):
     """A cuboid about the origin, |x| <= half_extents[0] and so on."""
 
-    half_extents: Sequence[float]
-
-    def __post_init__(self) -> None:
-        finite("box", "half_extents", self.half_extents, (3,), "m")
-        for one in self.half_extents:
-            positive("box", "half_extents", one, "m")
+    half_extents: Annotated[Sequence[float], lengths]
 
 
 @dataclass(frozen=True, slots=True)
-class Capsule:
+class Capsule(Described):
     """All points within `radius` of the segment |z| <= half_length."""
 
-    radius: float
-    half_length: float
-
-    def __post_init__(self) -> None:
-        positive("capsule", "radius", self.radius, "m")
-        positive("capsule", "half_length", self.half_length, "m")
+    radius: Annotated[float, positive, "m"]
+    half_length: Annotated[float, positive, "m"]
 
 
 @dataclass(frozen=True, slots=True)
-class Cylinder:
+class Cylinder(Described):
     """A right circular cylinder about z, |z| <= half_length."""
 
-    radius: float
-    half_length: float
-
-    def __post_init__(self) -> None:
-        positive("cylinder", "radius", self.radius, "m")
-        positive("cylinder", "half_length", self.half_length, "m")
+    radius: Annotated[float, positive, "m"]
+    half_length: Annotated[float, positive, "m"]
 
 
 @dataclass(frozen=True, slots=True)
-class Ellipsoid:
+class Ellipsoid(Described):
     """A solid ellipsoid about the origin, (x/a)^2 + (y/b)^2 + (z/c)^2 <= 1 with the semi-axes (a, b, c)."""
 
-    semi_axes: Sequence[float]
-
-    def __post_init__(self) -> None:
-        finite("ellipsoid", "semi_axes", self.semi_axes, (3,), "m")
-        for one in self.semi_axes:
-            positive("ellipsoid", "semi_axes", one, "m")
+    semi_axes: Annotated[Sequence[float], lengths]
 
 
 @dataclass(frozen=True, slots=True)
-class Plane:
+class Plane(Described):
     """The half space normal . x <= 0."""
 
-    normal: Sequence[float] = (0.0, 0.0, 1.0)
-
-    def __post_init__(self) -> None:
-        direction("plane", "normal", self.normal)
+    normal: Annotated[Sequence[float], direction] = (0.0, 0.0, 1.0)
 
 
 @dataclass(frozen=True, slots=True)
-class ConvexHull:
+class ConvexHull(Described):
     """The convex hull of vertices (n, 3)."""
 
     vertices: Sequence[Sequence[float]]
@@ -94,7 +70,7 @@ class ConvexHull:
 
 
 @dataclass(frozen=True, slots=True)
-class TriangleMesh:
+class TriangleMesh(Described):
     """A surface of vertices (n, 3) and faces (m, 3), counter-clockwise seen from outside, of a body that forces do not move."""
 
     vertices: Sequence[Sequence[float]]
@@ -121,20 +97,17 @@ class TriangleMesh:
 Shape = Sphere | Box | Capsule | Cylinder | Ellipsoid | Plane | ConvexHull | TriangleMesh
 
 
+def _shape(element: str, field: str, value: Any) -> None:
+    """Raises: ValueError unless it is a shape."""
+    if not isinstance(value, Shape):
+        raise ValueError(f"{element}: {field} {value!r}, expected one of {', '.join(s.__name__ for s in get_args(Shape))}")
+
+
 @dataclass(frozen=True, slots=True)
-class Placed:
+class Placed(Described):
     """A shape at the pose (p_BS, q_BS) relative to the body's centre of mass."""
 
-    shape: Shape
-    p_BS: Sequence[float] = (0.0, 0.0, 0.0)
-    q_BS: Sequence[float] = (1.0, 0.0, 0.0, 0.0)
-
-    def __post_init__(self) -> None:
-        if not isinstance(self.shape, Shape):
-            raise ValueError(
-                f"placed shape: shape {self.shape!r}, expected one of {', '.join(s.__name__ for s in get_args(Shape))}"
-            )
-        finite("placed shape", "p_BS", self.p_BS, (3,), "m")
-        finite("placed shape", "q_BS", self.q_BS, (4,), "1")
-        if float(norm(np.asarray(self.q_BS, float))) < 1e-12:
-            raise ValueError(f"placed shape: q_BS {tuple(self.q_BS)} has no direction")
+    ELEMENT: ClassVar[str] = "placed shape"
+    shape: Annotated[Shape, _shape]
+    p_BS: Annotated[Sequence[float], finite, (3,), "m"] = (0.0, 0.0, 0.0)
+    q_BS: Annotated[Sequence[float], unit_quaternion] = (1.0, 0.0, 0.0, 0.0)

@@ -10,8 +10,7 @@ rule for edges).
 import math
 
 from plumbline.engine.compile.jit import kernel
-from plumbline.engine.images.scanlines import flat_row
-from plumbline.engine.images.screen import Screen, pixel_range, row_of
+from plumbline.engine.images.screen import Screen, flat_row, pixel_range, row_of
 from plumbline.engine.maths.rows import Floats, Vec, load3, store3
 from plumbline.engine.maths.vec import axpy, dot, sub
 
@@ -66,4 +65,4 @@ def draw_polygon(screen: Screen, count: int, corner: Floats, n: Vec, tag: int, k
                 x = kept[up, 0] + (line - kept[up, 1]) * slope
                 left, right = min(left, x), max(right, x)
         first, last = pixel_range(left, right, len(screen.u))
-        flat_row(first, last, row_of(screen, j, 0.0), n, e, tag)
+        flat_row(row_of(screen, j, 0.0, first, last), n, e, tag)

@@ -1,4 +1,6 @@
-"""Balls, ellipsoids, cylinders and capsules on the screen: the rectangle of pixels that each may cover, and its rows.
+"""Balls, ellipsoids, cylinders and capsules on the screen: the pixels that each may cover, and the rays through these.
+
+A ray that starts inside, where the near plane cuts a shape open, sees the far side.
 
 Source: Mara, McGuire, 2D Polyhedral Bounds of a Clipped, Perspective-Projected 3D Sphere, 2013 (tangents in a plane).
 """
@@ -6,10 +8,11 @@ Source: Mara, McGuire, 2D Polyhedral Bounds of a Clipped, Perspective-Projected 
 import math
 
 from plumbline.engine.compile.jit import kernel
-from plumbline.engine.images.scanlines import ball_end_row, ball_row, cap_row, ellipsoid_row, side_row
-from plumbline.engine.images.screen import Screen, pixel_range, row_of
-from plumbline.engine.maths.rows import Floats, Mat, Vec
-from plumbline.engine.maths.vec import axpy, dot, neg
+from plumbline.engine.images.screen import Screen, aim, keep_closer, pixel_range, row_of
+from plumbline.engine.maths.rows import Floats, Vec
+from plumbline.engine.maths.vec import axpy, dot
+from plumbline.engine.memory import arena as at
+from plumbline.engine.rays.streams import Primitive, Rays, meet
 
 Window = tuple[float, float, float, float]
 """Left, right, upper and lower end in units of the focal lengths."""
@@ -79,53 +82,18 @@ def ball_span(c: Vec, radius: float, y: float, pinhole: Floats, left: int, right
 
 
 @kernel
-def draw_ball(screen: Screen, c: Vec, radius: float, tag: int) -> None:
-    """Draw the ball about c [m] in E."""
-    near = screen.pinhole[0, 4]
-    left, right, top, bottom = pixels_of(ball_window(c, radius, near), screen)
-    whole = c[2] - radius >= near
+def draw_round(screen: Screen, shape: Primitive, tag: int, rays: Rays, t: Floats) -> None:
+    """Draw a shape that stands in E. Args: rays, t: room for one row."""
+    near, c, m = screen.pinhole[0, 4], shape.centre, shape.axes
+    ball = shape.kind == at.ELLIPSOID
+    half, radius = 0.0 if ball else shape.size[1], shape.ball if ball else shape.size[0]
+    a = (m[2], m[5], m[8])
+    left, right, top, bottom = pixels_of(tube_window(axpy(half, a, c), axpy(-half, a, c), radius, near), screen)
     for j in range(top, bottom):
-        first, last = ball_span(c, radius, screen.v[j], screen.pinhole, left, right) if whole else (left, right)
-        ball_row(first, last, row_of(screen, j, near), c, radius, tag)
-
-
-@kernel
-def draw_ellipsoid(screen: Screen, c: Vec, m: Mat, semi_axes: Vec, tag: int) -> None:
-    """Draw the ellipsoid about c, its axes the columns of m, in E: within the rectangle of the ball that holds it."""
-    near, (a, b, d) = screen.pinhole[0, 4], semi_axes
-    left, right, top, bottom = pixels_of(ball_window(c, max(a, b, d), near), screen)
-    shrink = (m[0] / a, m[3] / a, m[6] / a, m[1] / b, m[4] / b, m[7] / b, m[2] / d, m[5] / d, m[8] / d)
-    for j in range(top, bottom):
-        ellipsoid_row(left, right, row_of(screen, j, near), c, shrink, tag)
-
-
-@kernel
-def draw_cylinder(screen: Screen, c: Vec, a: Vec, radius: float, half: float, tag: int) -> None:
-    """Draw the cylinder about c along a: its side, then the ends with the tags that follow."""
-    near, up, low = screen.pinhole[0, 4], axpy(half, a, c), axpy(-half, a, c)
-    left, right, top, bottom = pixels_of(tube_window(up, low, radius, near), screen)
-    for j in range(top, bottom):
-        side_row(left, right, row_of(screen, j, near), c, a, radius, half, tag)
-    for end in range(2):
-        middle = up if end == 0 else low
-        left, right, top, bottom = pixels_of(ball_window(middle, radius, near), screen)
-        for j in range(top, bottom):
-            cap_row(left, right, row_of(screen, j, near), middle, a, radius, tag + 1 + end)
-
-
-@kernel
-def draw_capsule(screen: Screen, c: Vec, a: Vec, radius: float, half: float, tag: int) -> None:
-    """Draw the capsule about c along a: the side, and the balls at its ends, whose inner halves the side hides."""
-    near, up, low = screen.pinhole[0, 4], axpy(half, a, c), axpy(-half, a, c)
-    left, right, top, bottom = pixels_of(tube_window(up, low, radius, near), screen)
-    for j in range(top, bottom):
-        side_row(left, right, row_of(screen, j, near), c, a, radius, half, tag)
-    if min(up[2], low[2]) - radius >= near:
-        draw_ball(screen, up, radius, tag)
-        draw_ball(screen, low, radius, tag)
-        return
-    for end in range(2):
-        middle, out = (up, a) if end == 0 else (low, neg(a))
-        left, right, top, bottom = pixels_of(ball_window(middle, radius, near), screen)
-        for j in range(top, bottom):
-            ball_end_row(left, right, row_of(screen, j, near), middle, radius, out, tag)
+        first, last = left, right
+        if c[2] - shape.ball >= near:
+            first, last = ball_span(c, shape.ball, screen.v[j], screen.pinhole, left, right)
+        row = row_of(screen, j, near, first, last)
+        aim(row, rays)
+        meet(last - first, rays, shape, t)
+        keep_closer(row, t, tag)

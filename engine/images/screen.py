@@ -1,12 +1,18 @@
-"""The pixels that a rasteriser draws into, and what it knows of their directions."""
+"""The pixels that a rasteriser draws into, and rows of them: the rays that look through these, and the depths that stay.
+
+With pixel coordinates u, v in units of the focal length, a point that a pixel sees is z d, d = (u, v, 1), at the depth z.
+
+Source: Heckbert, Moreton, Interpolation for Polygon Texture Mapping and Shading, 1991 (1/z is linear on screen).
+"""
 
 import math
 from typing import NamedTuple
 
 import numpy as np
 
-from plumbline.engine.compile.jit import inlined, kernel
-from plumbline.engine.maths.rows import Floats, Ints
+from plumbline.engine.compile.jit import inlined, kernel, stream
+from plumbline.engine.maths.rows import Floats, Ints, Vec
+from plumbline.engine.rays.streams import Rays
 
 
 class Screen(NamedTuple):
@@ -25,7 +31,7 @@ class Screen(NamedTuple):
 
 
 class Row(NamedTuple):
-    """One row of a screen, v in units of the focal length, and the z-depth [m] from which on it is drawn into."""
+    """Pixels of one row of a screen, v in units of the focal length, and the z-depth [m] from which on it is drawn into."""
 
     u: Floats
     v: float
@@ -50,9 +56,9 @@ def screen_of(pinhole: Floats, depth: Floats, tags: Ints) -> Screen:
 
 
 @inlined
-def row_of(screen: Screen, j: int, near: float) -> Row:
-    """Row j, drawn into from the z-depth `near` [m] on."""
-    return Row(screen.u, screen.v[j], near, screen.depth[j], screen.tags[j])
+def row_of(screen: Screen, j: int, near: float, first: int, last: int) -> Row:
+    """Pixels first..last - 1 of row j, drawn into from the z-depth `near` [m] on."""
+    return Row(screen.u[first:last], screen.v[j], near, screen.depth[j][first:last], screen.tags[j][first:last])
 
 
 @kernel
@@ -60,3 +66,36 @@ def pixel_range(low: float, high: float, count: int) -> tuple[int, int]:
     """The pixels of a row of `count` whose centres lie in low <= x < high, from the first to the one after the last."""
     first, last = math.ceil(min(max(low - 0.5, 0.0), float(count))), math.ceil(min(max(high - 0.5, 0.0), float(count)))
     return int(first), int(last)
+
+
+@stream
+def flat_row(row: Row, n: Vec, e: float, tag: int) -> None:
+    """Draw the plane n . x = e [m]."""
+    u, v, near, z, who = row
+    rest = n[1] * v + n[2]
+    for i in range(len(u)):
+        depth = e / (n[0] * u[i] + rest)
+        closer = (depth >= near) & (depth < z[i])
+        z[i] = depth if closer else z[i]
+        who[i] = tag if closer else who[i]
+
+
+@stream
+def aim(row: Row, rays: Rays) -> None:
+    """The rays in E through the pixels of a row, from the near plane on."""
+    u, v, near, _, _ = row
+    ox, oy, oz, dx, dy, dz = rays
+    for i in range(len(u)):
+        ox[i], oy[i], oz[i] = near * u[i], near * v, near
+        dx[i], dy[i], dz[i] = u[i], v, 1.0
+
+
+@stream
+def keep_closer(row: Row, t: Floats, tag: int) -> None:
+    """Draw what the rays of a row meet at t."""
+    _, _, near, z, who = row
+    for i in range(len(z)):
+        depth = near + t[i]
+        closer = depth < z[i]
+        z[i] = depth if closer else z[i]
+        who[i] = tag if closer else who[i]

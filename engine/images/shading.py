@@ -8,40 +8,14 @@ Vector Shader, 1988 (colours after visibility).
 
 import math
 
-import numpy as np
-
-from plumbline.engine.compile.jit import entry, kernel
-from plumbline.engine.images.rasteriser import TAGS, shape_pose
+from plumbline.engine.compile.jit import entry
+from plumbline.engine.images.rasteriser import TAGS, shape_poses
 from plumbline.engine.images.tables import Lighting
-from plumbline.engine.maths.rows import Floats, Ints, Vec, load3, load9, store3, store9
-from plumbline.engine.maths.vec import add, dot, mat_vec, neg, norm, scale, sub, tmat_vec
+from plumbline.engine.maths.rows import Floats, Ints, load3, load9
+from plumbline.engine.maths.vec import add, dot, mat_vec, neg, scale, sub, tmat_vec
 from plumbline.engine.memory import arena as at
 from plumbline.engine.memory.carve import floats_of, ints_of
-
-
-@kernel
-def patch_normal(kind: int, size: Vec, pose: Floats, face: Floats, first_face: int, s: int, patch: int, x: Vec) -> Vec:
-    """The outward normal in W of a patch of shape s at x [m] on it; size [m]: the shape's three."""
-    axes = load9(pose, s, 3)
-    if kind == at.PLANE:
-        n = (0.0, 0.0, 1.0)
-    elif kind == at.BOX:
-        k, sign = patch // 2, (1.0 if patch % 2 else -1.0)
-        n = (sign if k == 0 else 0.0, sign if k == 1 else 0.0, sign if k == 2 else 0.0)
-    elif kind >= at.HULL:
-        n = load3(face, first_face + patch, 0)
-    elif kind == at.CYLINDER and patch > 0:
-        n = (0.0, 0.0, 1.0 if patch == 1 else -1.0)
-    elif kind == at.ELLIPSOID:
-        local = tmat_vec(axes, sub(x, load3(pose, s, 0)))
-        away = (local[0] / (size[0] * size[0]), local[1] / (size[1] * size[1]), local[2] / (size[2] * size[2]))
-        n = scale(1.0 / norm(away), away)
-    else:
-        local = tmat_vec(axes, sub(x, load3(pose, s, 0)))
-        level = local[2] if kind == at.CYLINDER else min(max(local[2], -size[1]), size[1])
-        away = (local[0], local[1], local[2] - level)
-        n = scale(1.0 / norm(away), away)
-    return mat_vec(axes, n)
+from plumbline.engine.rays.streams import normal_at
 
 
 @entry
@@ -50,15 +24,9 @@ def shade(
 ) -> None:
     """Write body (h, w) and colour (h, w, 3) of what `rasterise` found."""
     optics, sun = lighting
-    state, shape = floats_of(floats, ints, at.STATE), floats_of(floats, ints, at.SHAPE)
-    shape_kind = ints_of(ints, at.SHAPE_KIND)
+    shape, shape_kind, pose = floats_of(floats, ints, at.SHAPE), ints_of(ints, at.SHAPE_KIND), shape_poses(floats, ints)
     face, polyhedron = floats_of(floats, ints, at.FACE), ints_of(ints, at.POLYHEDRON)
     origin, turn, towards = load3(eye, 0, 0), load9(eye, 0, 3), load3(sun, 0, 0)
-    pose = np.empty((len(shape_kind), 12))
-    for s in range(ints_of(ints, at.COUNT)[0, at.SHAPES]):
-        p_WS, axes = shape_pose(state, shape, shape_kind, s)
-        store3(pose, s, 0, p_WS)
-        store9(pose, s, 3, axes)
     for j in range(depth.shape[0]):
         for i in range(depth.shape[1]):
             if tags[j, i] < 0:
@@ -69,11 +37,17 @@ def shade(
             s = tags[j, i] // TAGS
             b = shape_kind[s, at.OWNER]
             body[j, i] = b
-            z = depth[j, i]
+            z, kind = depth[j, i], shape_kind[s, at.TYPE]
             way = mat_vec(turn, (z * ((i + 0.5 - eye[0, 14]) / eye[0, 12]), z * ((j + 0.5 - eye[0, 15]) / eye[0, 13]), z))
-            kind = shape_kind[s, at.TYPE]
-            first = polyhedron[s, at.FIRST_FACE] if kind >= at.HULL else 0
-            n = patch_normal(kind, load3(shape, s, at.SIZE), pose, face, first, s, tags[j, i] % TAGS, add(origin, way))
+            axes = load9(pose, s, 3)
+            k = tags[j, i] % TAGS
+            if kind == at.BOX:
+                n = scale(1.0 if k % 2 else -1.0, (axes[k // 2], axes[3 + k // 2], axes[6 + k // 2]))
+            elif kind >= at.HULL:
+                n = mat_vec(axes, load3(face, polyhedron[s, at.FIRST_FACE] + k, 0))
+            else:
+                x = tmat_vec(axes, sub(add(origin, way), load3(pose, s, 0)))
+                n = mat_vec(axes, normal_at(kind, load3(shape, s, at.SIZE), x))
             n = n if dot(n, way) <= 0.0 else neg(n)
             lit = sun[0, 3] / math.pi * max(0.0, dot(n, towards)) + sun[0, 4]
             scattered = (1.0 - optics[b, 3]) * (1.0 - optics[b, 4])

@@ -14,9 +14,9 @@ from plumbline.engine.memory.carve import floats_of, ints_of, table_within
 from plumbline.engine.memory.tables import Joints, Rows, bodies_of, contacts_of, in_order, joints_of, some_contacts
 from plumbline.engine.respond.manifold_sweeps import as_found
 from plumbline.engine.respond.share_loads import list_sharing
-from plumbline.engine.respond.softness import FRESH, FRESH_JOINTED, softness_of
+from plumbline.engine.respond.softness import softness_of
 from plumbline.engine.respond.substep import end_step
-from plumbline.engine.steps.stages import Effort, Group, begin_island, near_blows, release_island, solve_island
+from plumbline.engine.steps.stages import Group, begin_island, effort_of, release_island, solve_island
 
 ROOM = (9, 6, 8, 8, 4)
 """The most rows of a joint of each type: its equalities, and one each for limits, spring and drive; what else it has adds."""
@@ -89,15 +89,9 @@ def advance_island(floats: Floats, ints: Ints, i: int, first: int, end: int, tol
         held = span[i, at.EQUALITIES], span[i, at.ROWS]
         if stage % 2 == 1:
             # Where anything touches, all joints are held after each sweep: no island hangs on how it was found.
-            fresh, near = stage == 1 and ints_of(ints, at.TALLY)[0, at.AROUSED] > 0, group.contacts
-            times = 0 if count[0, at.MANIFOLDS] == 0 else 1
-            if times > 0 and count[0, at.JOINTS] > 0:
-                times = FRESH_JOINTED if fresh or told == 1 else 1
-            elif times > 0:
-                hurried = near_blows(group.bodies.kind, near, group.hurried, count[0, at.STEPS] if fresh else -1)
-                near = in_order(near, group.hurried[:hurried])
-                times = FRESH if hurried > 0 else 1
-            span[i, at.HIT] = solve_island(floats, ints, group, held, soft, Effort(near, times), as_found, holding)
+            fresh = stage == 1 and ints_of(ints, at.TALLY)[0, at.AROUSED] > 0
+            effort = effort_of(group, count, fresh, told == 1 or count[0, at.JOINTS] == 0)
+            span[i, at.HIT] = solve_island(floats, ints, group, held, soft, effort, as_found, holding)
             told = 0
             continue
         if stage > 0:

@@ -337,26 +337,22 @@ FLOAT_TABLES: Final = len(FLOATS)
 INT_TABLES: Final = len(INTS)
 
 
-def new_arena(float_shapes: list[tuple[int, int]], int_shapes: list[tuple[int, int]]) -> tuple[Floats, Ints]:
+def new_arena(shapes: Ints) -> tuple[Floats, Ints]:
     """Zeroed memory for tables of these shapes.
 
-    Args: float_shapes, int_shapes: (rows, columns) in the order of the table numbers.
+    Args: shapes (k, 2): rows and columns in the order of the table numbers, those of floats first.
     Returns: the array of floats, and the array of integers with the directory in front.
     """
-    places = 3 * (FLOAT_TABLES + INT_TABLES)
-    directory: list[int] = []
-    offset = 0
-    for rows, columns in float_shapes:
-        directory += [offset, rows, columns]
-        offset += rows * columns
-    floats = np.zeros(max(offset, 1))
-    offset = places
-    for rows, columns in int_shapes:
-        directory += [offset, rows, columns]
-        offset += rows * columns
-    ints = np.zeros(offset, np.int64)
-    ints[:places] = directory
+    lengths, places = shapes.prod(axis=1), 3 * len(shapes)
+    ends = np.concatenate((lengths[:FLOAT_TABLES].cumsum(), places + lengths[FLOAT_TABLES:].cumsum()))
+    floats, ints = np.zeros(max(ends[FLOAT_TABLES - 1], 1)), np.zeros(ends[-1], np.int64)
+    ints[:places] = np.column_stack((ends - lengths, shapes)).ravel()
     return floats, ints
+
+
+def tables(floats: Floats, ints: Ints) -> tuple[list[Floats], list[Ints]]:
+    """All tables of floats and of integers by their numbers, without a copy."""
+    return [float_table(floats, ints, k) for k in range(FLOAT_TABLES)], [int_table(ints, k) for k in range(INT_TABLES)]
 
 
 def float_table(floats: Floats, ints: Ints, k: int) -> Floats:

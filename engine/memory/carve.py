@@ -1,4 +1,4 @@
-"""The arena's tables, carved inside compiled code.
+"""The arena's tables, carved inside compiled code: one by its number, or all that the fields of a kind are annotated with.
 
 Nothing counts who uses them (`compile.table_type`): the arrays belong to the caller of the entry, who keeps them while it runs,
 and no kernel hands a table back to Python.
@@ -7,7 +7,8 @@ Carved in place, and not in a function of its own, a table is known when the opt
 once, before it puts functions in place of calls: what is the same wherever a kernel is called is then not handed to it.
 """
 
-from typing import Any
+from collections.abc import Callable
+from typing import Any, TypeVar, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +17,8 @@ from plumbline.engine.compile.jit import inlined, kernel, linker
 from plumbline.engine.maths.rows import Floats, Ints
 from plumbline.engine.memory import arena as at
 from plumbline.engine.memory.layout import FLOATS, INTS
+
+Kind = TypeVar("Kind")
 
 OPEN = 0
 """In place of a number of columns that the world decides."""
@@ -48,3 +51,17 @@ def ints_of(ints: Ints, k: int) -> Ints:
     columns = INT_COLUMNS[k] if INT_COLUMNS[k] != OPEN else ints[d + 2]
     table: Ints = table_within(ints, ints[d], ints[d + 1], columns)
     return table
+
+
+def carved(kind: type[Kind]) -> Callable[[Floats, Ints], Kind]:
+    """What carves the tables of a kind from (floats, ints).
+
+    Args: kind: a NamedTuple whose fields are Annotated[Floats, number of the table], or Ints. Written out as text, since
+    compiled code has no loop over tables of two types.
+    """
+    fields = [get_args(field) for field in kind.__annotations__.values()]
+    tables = ", ".join(f"{'ints_of(' if of == Ints else 'floats_of(floats, '}ints, {k})" for of, k in fields)
+    names: dict[str, Any] = {"kind": kind, "floats_of": floats_of, "ints_of": ints_of}
+    exec(f"def carve(floats, ints):\n    return kind({tables})", names)
+    made: Callable[[Floats, Ints], Kind] = inlined(names["carve"])
+    return made

@@ -4,6 +4,10 @@ from collections.abc import Mapping
 from enum import Enum, auto
 from typing import NamedTuple
 
+import numpy as np
+
+from plumbline.engine.maths.types import Ints
+
 
 class Per(Enum):
     """Of what a table has a row."""
@@ -81,6 +85,6 @@ def int_columns(rows: Per, columns: int | Per) -> int:
     return len(INTS) - 1
 
 
-def shapes_of(tables: list[Table], sizes: Mapping[Per, int]) -> list[tuple[int, int]]:
-    """Rows and columns of the tables for these sizes."""
-    return [(sizes[t.rows], t.columns if isinstance(t.columns, int) else sizes[t.columns]) for t in tables]
+def shapes_of(sizes: Mapping[Per, int]) -> Ints:
+    """Rows and columns (k, 2) of all tables for these sizes, those of floats first."""
+    return np.array([(sizes[t.rows], t.columns if isinstance(t.columns, int) else sizes[t.columns]) for t in FLOATS + INTS])

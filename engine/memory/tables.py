@@ -1,47 +1,79 @@
 """The tables that kernels work on, handed on as one thing: carved once where compiled code is entered, named from there on."""
 
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 from plumbline.engine.compile.jit import inlined
 from plumbline.engine.maths.rows import Floats, Ints
 from plumbline.engine.memory import arena as at
-from plumbline.engine.memory.carve import floats_of, ints_of
+from plumbline.engine.memory.carve import carved, ints_of
 
 
 class Bodies(NamedTuple):
     """What is known of every body: state, constants, inverse inertia in W, force and torque, and how it moves."""
 
-    state: Floats
-    body: Floats
-    turned: Floats
-    load: Floats
-    kind: Ints
+    state: Annotated[Floats, at.STATE]
+    body: Annotated[Floats, at.BODY]
+    turned: Annotated[Floats, at.TURNED]
+    load: Annotated[Floats, at.LOAD]
+    kind: Annotated[Ints, at.BODY_KIND]
 
 
 class Contacts(NamedTuple):
     """Manifolds and their points, four rows of points a manifold; and in which order (k, 1) which of them are visited."""
 
-    manifold: Floats
-    point: Floats
-    key: Ints
-    point_key: Ints
-    order: Ints
+    manifold: Annotated[Floats, at.MANIFOLD]
+    point: Annotated[Floats, at.POINT]
+    key: Annotated[Ints, at.MANIFOLD_KEY]
+    point_key: Annotated[Ints, at.POINT_KEY]
+    order: Annotated[Ints, at.MANIFOLD_ORDER]
+
+
+class OldContacts(NamedTuple):
+    """The manifolds of the last step and their points, and for each shape the list of those of which it is the first."""
+
+    manifold: Annotated[Floats, at.OLD_MANIFOLD]
+    point: Annotated[Floats, at.OLD_POINT]
+    key: Annotated[Ints, at.OLD_KEY]
+    point_key: Annotated[Ints, at.OLD_POINT_KEY]
+    head: Annotated[Ints, at.HEAD]
+    following: Annotated[Ints, at.NEXT]
 
 
 class Shapes(NamedTuple):
     """Sizes, poses in W, and types of shapes."""
 
-    shape: Floats
-    pose: Floats
-    kind: Ints
+    shape: Annotated[Floats, at.SHAPE]
+    pose: Annotated[Floats, at.POSE]
+    kind: Annotated[Ints, at.SHAPE_KIND]
+
+
+class Pairs(NamedTuple):
+    """The pairs of shapes of a step, and the answers of the convex narrow phase.
+
+    Terms: pair: two shapes; points: their number; normal: from A to B; point, point_key: points and features, four rows a pair.
+    """
+
+    pair: Annotated[Ints, at.PAIR]
+    points: Annotated[Ints, at.CONVEX_KEY]
+    normal: Annotated[Floats, at.CONVEX_NORMAL]
+    point: Annotated[Floats, at.CONVEX_POINT]
+    point_key: Annotated[Ints, at.CONVEX_POINT_KEY]
+
+
+class Rules(NamedTuple):
+    """The settings and the numbers of a world, and the law of each pair of materials."""
+
+    setting: Annotated[Floats, at.SETTING]
+    numbers: Annotated[Ints, at.COUNT]
+    surface: Annotated[Floats, at.SURFACE]
 
 
 class Joints(NamedTuple):
     """What is known of every joint: its constants and coordinate, its kind with its bodies; and, as of contacts, an order."""
 
-    joint: Floats
-    kind: Ints
-    order: Ints
+    joint: Annotated[Floats, at.JOINT]
+    kind: Annotated[Ints, at.JOINT_KIND]
+    order: Annotated[Ints, at.JOINT_ORDER]
 
 
 class Rows(NamedTuple):
@@ -51,36 +83,16 @@ class Rows(NamedTuple):
     factor: of the matrix, by Cholesky; vector: impulses, right-hand sides and marks, one number a row each.
     """
 
-    row: Floats
-    body: Ints
-    reach: Floats
-    matrix: Floats
-    factor: Floats
-    vector: Floats
+    row: Annotated[Floats, at.ROW]
+    body: Annotated[Ints, at.ROW_BODY]
+    reach: Annotated[Floats, at.REACH]
+    matrix: Annotated[Floats, at.MATRIX]
+    factor: Annotated[Floats, at.FACTOR]
+    vector: Annotated[Floats, at.VECTOR]
 
 
-@inlined
-def bodies_of(floats: Floats, ints: Ints) -> Bodies:
-    """The tables of the bodies of an arena."""
-    return Bodies(
-        floats_of(floats, ints, at.STATE),
-        floats_of(floats, ints, at.BODY),
-        floats_of(floats, ints, at.TURNED),
-        floats_of(floats, ints, at.LOAD),
-        ints_of(ints, at.BODY_KIND),
-    )
-
-
-@inlined
-def contacts_of(floats: Floats, ints: Ints) -> Contacts:
-    """The tables of the contacts of an arena."""
-    return Contacts(
-        floats_of(floats, ints, at.MANIFOLD),
-        floats_of(floats, ints, at.POINT),
-        ints_of(ints, at.MANIFOLD_KEY),
-        ints_of(ints, at.POINT_KEY),
-        ints_of(ints, at.MANIFOLD_ORDER),
-    )
+bodies_of, contacts_of, old_contacts_of, shapes_of = carved(Bodies), carved(Contacts), carved(OldContacts), carved(Shapes)
+pairs_of, rules_of, joints_of, rows_of = carved(Pairs), carved(Rules), carved(Joints), carved(Rows)
 
 
 @inlined
@@ -99,91 +111,3 @@ def in_order(contacts: Contacts, order: Ints) -> Contacts:
 def some_contacts(contacts: Contacts, first: int, end: int) -> Contacts:
     """Those of ranks first..end - 1 alone."""
     return in_order(contacts, contacts.order[first:end])
-
-
-@inlined
-def shapes_of(floats: Floats, ints: Ints) -> Shapes:
-    """The tables of the shapes of an arena."""
-    return Shapes(floats_of(floats, ints, at.SHAPE), floats_of(floats, ints, at.POSE), ints_of(ints, at.SHAPE_KIND))
-
-
-@inlined
-def joints_of(floats: Floats, ints: Ints) -> Joints:
-    """The tables of the joints of an arena."""
-    return Joints(floats_of(floats, ints, at.JOINT), ints_of(ints, at.JOINT_KIND), ints_of(ints, at.JOINT_ORDER))
-
-
-@inlined
-def rows_of(floats: Floats, ints: Ints) -> Rows:
-    """The tables of the rows of an arena."""
-    return Rows(
-        floats_of(floats, ints, at.ROW),
-        ints_of(ints, at.ROW_BODY),
-        floats_of(floats, ints, at.REACH),
-        floats_of(floats, ints, at.MATRIX),
-        floats_of(floats, ints, at.FACTOR),
-        floats_of(floats, ints, at.VECTOR),
-    )
-
-
-class Pairs(NamedTuple):
-    """The pairs of shapes of a step, and the answers of the convex narrow phase.
-
-    Terms: pair: two shapes; points: their number; normal: from A to B; point, point_key: points and features, four rows a pair.
-    """
-
-    pair: Ints
-    points: Ints
-    normal: Floats
-    point: Floats
-    point_key: Ints
-
-
-class Rules(NamedTuple):
-    """The settings and the numbers of a world, and the law of each pair of materials."""
-
-    setting: Floats
-    numbers: Ints
-    surface: Floats
-
-
-class OldContacts(NamedTuple):
-    """The manifolds of the last step and their points, and for each shape the list of those of which it is the first."""
-
-    manifold: Floats
-    point: Floats
-    key: Ints
-    point_key: Ints
-    head: Ints
-    following: Ints
-
-
-@inlined
-def pairs_of(floats: Floats, ints: Ints) -> Pairs:
-    """The pairs of an arena."""
-    return Pairs(
-        ints_of(ints, at.PAIR),
-        ints_of(ints, at.CONVEX_KEY),
-        floats_of(floats, ints, at.CONVEX_NORMAL),
-        floats_of(floats, ints, at.CONVEX_POINT),
-        ints_of(ints, at.CONVEX_POINT_KEY),
-    )
-
-
-@inlined
-def rules_of(floats: Floats, ints: Ints) -> Rules:
-    """The settings and laws of an arena."""
-    return Rules(floats_of(floats, ints, at.SETTING), ints_of(ints, at.COUNT), floats_of(floats, ints, at.SURFACE))
-
-
-@inlined
-def old_contacts_of(floats: Floats, ints: Ints) -> OldContacts:
-    """The contacts that an arena keeps of the last step."""
-    return OldContacts(
-        floats_of(floats, ints, at.OLD_MANIFOLD),
-        floats_of(floats, ints, at.OLD_POINT),
-        ints_of(ints, at.OLD_KEY),
-        ints_of(ints, at.OLD_POINT_KEY),
-        ints_of(ints, at.HEAD),
-        ints_of(ints, at.NEXT),
-    )

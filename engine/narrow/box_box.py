@@ -7,10 +7,11 @@ and 8.3.4 (Sutherland-Hodgman clipping); Gregorius, The Separating Axis Test bet
 import math
 
 from plumbline.engine.compile.jit import kernel
-from plumbline.engine.maths.rows import Mat, Vec
+from plumbline.engine.maths.rows import Mat, Vec, store3
 from plumbline.engine.maths.vec import add, axpy, cross, dot, neg, norm, scale, sub, tmat_vec
+from plumbline.engine.narrow.clip_features import Plane, cut_off, flatten, put_polygon
 from plumbline.engine.narrow.point import Points, put_point
-from plumbline.engine.narrow.solid import Solid
+from plumbline.engine.narrow.solid import Solid, column, face_corner, largest
 
 HANDICAP = 1e-3
 """Share of the smallest half extent [1] by which a face of B must beat those of A, and an edge pair all faces.
@@ -25,12 +26,6 @@ EDGES = 10_000
 """Features of edge pairs count from here; those of faces lie below."""
 FACE_OF_B = 576
 """Features from here to EDGES belong to a reference face of B; below, the corners of B lie on a face of A."""
-
-
-@kernel
-def column(m: Mat, k: int) -> Vec:
-    """Column k of a matrix: axis k of the frame, in W."""
-    return m[k], m[3 + k], m[6 + k]
 
 
 @kernel
@@ -121,110 +116,27 @@ def edge_edge(a: Solid, b: Solid, code: int, n: Vec, gap: float, out: Points, ro
 def face_face(reference: Solid, incident: Solid, code: int, n: Vec, margin: float, out: Points, row: int) -> int:
     """Points of the incident box under the face of the reference box whose outward normal is n.
 
-    The polygon lives in the two in-plane coordinates of the reference face and the height above it.
-
     Args: code: the axis of that face, and 3 more if it is one of B. Returns: the number of points.
     """
     pr, mr, hr = reference
     pi, mi, hi = incident
-    clip, clip_key = out.polygon, out.polygon_key
     face = code % 3
     one, two = (face + 1) % 3, (face + 2) % 3
-    u, v = column(mr, one), column(mr, two)
-    origin = axpy(hr[face], n, pr)
+    plane = Plane(axpy(hr[face], n, pr), column(mr, one), column(mr, two), n)
     local = tmat_vec(mi, n)
-    facing = 0
-    if abs(local[1]) > abs(local[facing]):
-        facing = 1
-    if abs(local[2]) > abs(local[facing]):
-        facing = 2
+    facing = largest(local)
     sign = -1.0 if local[facing] > 0.0 else 1.0
-    i1, i2 = (facing + 1) % 3, (facing + 2) % 3
-    middle = axpy(sign * hi[facing], column(mi, facing), pi)
     for corner in range(4):
-        s1 = 1.0 if corner == 0 or corner == 3 else -1.0
-        s2 = 1.0 if corner < 2 else -1.0
-        x = sub(axpy(s1 * hi[i1], column(mi, i1), axpy(s2 * hi[i2], column(mi, i2), middle)), origin)
-        clip[corner, 0], clip[corner, 1], clip[corner, 2] = dot(x, u), dot(x, v), dot(x, n)
-        clip_key[corner, 0] = corner
+        store3(out.polygon, corner, 0, face_corner(pi, mi, hi, facing, sign, corner))
+        out.polygon_key[corner, 0] = corner
+    flatten(out.polygon, 0, 4, plane)
     count, base = 4, 0
     near = ON_PLANE * max(hr[one], hr[two])
     for side in range(4):
-        k = side // 2
         way = 1.0 if side % 2 == 0 else -1.0
-        bound = hr[one] if k == 0 else hr[two]
-        cut = False
-        for c in range(base, base + count):
-            cut = cut or way * clip[c, k] - bound > near
-        if not cut:
-            continue
-        into = 16 - base
-        kept = 0
-        for c in range(count):
-            a, b = base + c, base + (c + 1) % count
-            da, db = way * clip[a, k] - bound, way * clip[b, k] - bound
-            if da <= near:
-                for m in range(3):
-                    clip[into + kept, m] = clip[a, m]
-                clip_key[into + kept, 0] = clip_key[a, 0]
-                kept += 1
-            if (da <= near) != (db <= near):
-                share = min(max(da / (da - db), 0.0), 1.0)
-                for m in range(3):
-                    clip[into + kept, m] = clip[a, m] + share * (clip[b, m] - clip[a, m])
-                clip_key[into + kept, 0] = 8 + 2 * side + (1 if da <= near else 0)
-                kept += 1
-        base, count = into, kept
-        if count == 0:
-            return 0
-    points = 0
-    for c in range(count):
-        if clip[base + c, 2] <= margin:
-            for m in range(3):
-                clip[base + points, m] = clip[base + c, m]
-            clip_key[base + points, 0] = clip_key[base + c, 0]
-            points += 1
-    points = keep_four(out, base, points, 1e-9)
+        line = (way, 0.0, hr[one]) if side < 2 else (0.0, way, hr[two])
+        left = cut_off(out, base, count, 16 - base, line, near, 8 + 2 * side)
+        if left >= 0:
+            base, count = 16 - base, left
     marker = 32 * (2 * (3 * code + facing) + (1 if sign > 0.0 else 0))
-    for c in range(points):
-        height = clip[base + c, 2]
-        place = axpy(clip[base + c, 0], u, axpy(clip[base + c, 1], v, axpy(0.5 * height, n, origin)))
-        put_point(out, row + c, place, height, marker + clip_key[base + c, 0])
-    return points
-
-
-@kernel
-def keep_four(out: Points, base: int, count: int, tie: float) -> int:
-    """Keep the deepest point (by more than `tie` [m]), the one farthest from it, and the two that span most area at its sides.
-
-    Args: base, count: the rows of the polygon. Returns: their number.
-    """
-    clip, clip_key = out.polygon, out.polygon_key
-    if count <= 4:
-        return count
-    first = 0
-    for c in range(1, count):
-        if clip[base + c, 2] < clip[base + first, 2] - tie:
-            first = c
-    second, far = first, -1.0
-    for c in range(count):
-        x, y = clip[base + c, 0] - clip[base + first, 0], clip[base + c, 1] - clip[base + first, 1]
-        if x * x + y * y > far:
-            second, far = c, x * x + y * y
-    third, fourth, most, least = first, first, 0.0, 0.0
-    ex, ey = clip[base + second, 0] - clip[base + first, 0], clip[base + second, 1] - clip[base + first, 1]
-    for c in range(count):
-        x, y = clip[base + c, 0] - clip[base + first, 0], clip[base + c, 1] - clip[base + first, 1]
-        area = ex * y - ey * x
-        if area > most:
-            third, most = c, area
-        if area < least:
-            fourth, least = c, area
-    kept = 0
-    for c in range(count):
-        if c in (first, second, third, fourth):
-            for m in range(3):
-                clip[base + kept, m] = clip[base + c, m]
-            clip_key[base + kept, 0] = clip_key[base + c, 0]
-            kept += 1
-    return kept
+    return put_polygon(out, base, count, plane, 0.0, margin, row, marker)

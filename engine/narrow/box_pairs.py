@@ -7,9 +7,9 @@ import math
 
 from plumbline.engine.compile.jit import kernel
 from plumbline.engine.maths.rows import Vec
-from plumbline.engine.maths.vec import add, axpy, dot, mat_vec, neg, norm, scale, sub, tmat_vec
-from plumbline.engine.narrow.point import Points, put_point
-from plumbline.engine.narrow.solid import Solid, axis_of, moved
+from plumbline.engine.maths.vec import axpy, dot, mat_vec, neg, norm, scale, sub, tmat_vec
+from plumbline.engine.narrow.point import Points, put_nearest, put_point
+from plumbline.engine.narrow.solid import Solid, axis_of, face_corner, largest, moved
 
 
 @kernel
@@ -41,12 +41,7 @@ def sphere_box(a: Solid, b: Solid, margin: float, out: Points, row: int) -> tupl
     else:
         outward, depth = nearest_face(p, h)
         distance = -depth
-    n = neg(mat_vec(b.m, outward))
-    gap = distance - ra
-    if gap > margin:
-        return 0, n
-    put_point(out, row, axpy(ra + 0.5 * gap, n, a.p), gap, 0)
-    return 1, n
+    return put_nearest(out, row, a.p, ra, neg(mat_vec(b.m, outward)), distance - ra, margin)
 
 
 @kernel
@@ -136,24 +131,12 @@ def box_plane(a: Solid, b: Solid, margin: float, out: Points, row: int) -> tuple
     """Box A against plane B: the corners of the face that looks most at the plane."""
     up, h = axis_of(b), a.size
     u = tmat_vec(a.m, up)
-    face = 0
-    if abs(u[1]) > abs(u[face]):
-        face = 1
-    if abs(u[2]) > abs(u[face]):
-        face = 2
+    face = largest(u)
     low = -1.0 if u[face] > 0.0 else 1.0
     count = 0
     n = neg(up)
     for corner in range(4):
-        one = 1.0 if corner == 0 or corner == 3 else -1.0
-        two = 1.0 if corner < 2 else -1.0
-        if face == 0:
-            c = (low * h[0], one * h[1], two * h[2])
-        elif face == 1:
-            c = (one * h[0], low * h[1], two * h[2])
-        else:
-            c = (one * h[0], two * h[1], low * h[2])
-        place = add(a.p, mat_vec(a.m, c))
+        place = face_corner(a.p, a.m, h, face, low, corner)
         gap = dot(sub(place, b.p), up)
         if gap <= margin:
             put_point(out, row + count, axpy(0.5 * gap, n, place), gap, 8 * face + (4 if low > 0.0 else 0) + corner)

@@ -5,11 +5,11 @@ Convex Polyhedra, GDC 2013.
 """
 
 import math
+from typing import NamedTuple
 
 from plumbline.engine.compile.jit import kernel
-from plumbline.engine.maths.rows import Floats, Vec, load3
+from plumbline.engine.maths.rows import Floats, Vec, load3, store3
 from plumbline.engine.maths.vec import axpy, cross, dot, perpendicular, sub
-from plumbline.engine.narrow.box_box import keep_four
 from plumbline.engine.narrow.point import Points, put_point
 
 ON_SIDE = 1e-7
@@ -20,12 +20,115 @@ CROSSING = 4096
 """Features of corners that the clipping made count from here."""
 
 
+class Plane(NamedTuple):
+    """A reference face: a point of it, two axes in it, and its outward normal."""
+
+    origin: Vec
+    u: Vec
+    v: Vec
+    n: Vec
+
+
 @kernel
-def flatten(polygon: Floats, row: int, count: int, origin: Vec, u: Vec, v: Vec, n: Vec) -> None:
+def flatten(polygon: Floats, row: int, count: int, plane: Plane) -> None:
     """Turn corners from W into two coordinates in the reference plane and the height above it."""
     for k in range(row, row + count):
-        x = sub(load3(polygon, k, 0), origin)
-        polygon[k, 0], polygon[k, 1], polygon[k, 2] = dot(x, u), dot(x, v), dot(x, n)
+        x = sub(load3(polygon, k, 0), plane.origin)
+        store3(polygon, k, 0, (dot(x, plane.u), dot(x, plane.v), dot(x, plane.n)))
+
+
+@kernel
+def copy_corner(out: Points, corner: int, to: int) -> None:
+    """Copy a corner of a polygon to another row."""
+    store3(out.polygon, to, 0, load3(out.polygon, corner, 0))
+    out.polygon_key[to, 0] = out.polygon_key[corner, 0]
+
+
+@kernel
+def cut_off(out: Points, base: int, count: int, into: int, line: Vec, near: float, feature: int) -> int:
+    """Cut a polygon, or two corners as a segment, by the line a x + b y = c, and keep what lies before it.
+
+    Args: base, count: the rows of the polygon; into: where the rest is written; line: (a, b, c), a and b of unit length; near
+    [m]: corners so little beyond the line stay; feature: of the corner where the polygon comes back, one more where it leaves.
+    Returns: the corners of the rest; -1 where nothing is cut off, and nothing written.
+    """
+    polygon, kept, cut = out.polygon, 0, False
+    for k in range(base, base + count):
+        cut = cut or line[0] * polygon[k, 0] + line[1] * polygon[k, 1] - line[2] > near
+    if not cut:
+        return -1
+    for c in range(count):
+        a, b = base + c, base + (c + 1) % count
+        da = line[0] * polygon[a, 0] + line[1] * polygon[a, 1] - line[2]
+        db = line[0] * polygon[b, 0] + line[1] * polygon[b, 1] - line[2]
+        if da <= near:
+            copy_corner(out, a, into + kept)
+            kept += 1
+        if (da <= near) != (db <= near) and not (count == 2 and c == 1):
+            share, x = min(max(da / (da - db), 0.0), 1.0), load3(polygon, a, 0)
+            store3(polygon, into + kept, 0, axpy(share, sub(load3(polygon, b, 0), x), x))
+            out.polygon_key[into + kept, 0] = feature + (1 if da <= near else 0)
+            kept += 1
+    return kept
+
+
+@kernel
+def keep_four(out: Points, base: int, count: int, tie: float) -> int:
+    """Keep the deepest point (by more than `tie` [m]), the one farthest from it, and the two that span most area at its sides.
+
+    Args: base, count: the rows of the polygon. Returns: their number.
+    """
+    clip = out.polygon
+    if count <= 4:
+        return count
+    first = 0
+    for c in range(1, count):
+        if clip[base + c, 2] < clip[base + first, 2] - tie:
+            first = c
+    second, far = first, -1.0
+    for c in range(count):
+        x, y = clip[base + c, 0] - clip[base + first, 0], clip[base + c, 1] - clip[base + first, 1]
+        if x * x + y * y > far:
+            second, far = c, x * x + y * y
+    third, fourth, most, least = first, first, 0.0, 0.0
+    ex, ey = clip[base + second, 0] - clip[base + first, 0], clip[base + second, 1] - clip[base + first, 1]
+    for c in range(count):
+        x, y = clip[base + c, 0] - clip[base + first, 0], clip[base + c, 1] - clip[base + first, 1]
+        area = ex * y - ey * x
+        if area > most:
+            third, most = c, area
+        if area < least:
+            fourth, least = c, area
+    kept = 0
+    for c in range(count):
+        if c in (first, second, third, fourth):
+            copy_corner(out, base + c, base + kept)
+            kept += 1
+    return kept
+
+
+@kernel
+def put_polygon(
+    out: Points, base: int, count: int, plane: Plane, radius: float, margin: float, row: int, marker: int
+) -> int:  # fmt: skip
+    """Write the points, at most four, of a polygon over a face that are no farther from it than the margin.
+
+    Args: base, count: the rows of the polygon; radius [m] around it; marker: added to every feature. Returns: their number.
+    """
+    polygon, points, wide = out.polygon, 0, 0.0
+    for c in range(base, base + count):
+        if polygon[c, 2] - radius <= margin:
+            copy_corner(out, c, base + points)
+            points += 1
+    for c in range(base + 1, base + points):
+        wide = max(wide, abs(polygon[c, 0] - polygon[base, 0]), abs(polygon[c, 1] - polygon[base, 1]))
+    points = keep_four(out, base, points, LEVEL * wide)
+    for c in range(points):
+        x, y, height = load3(polygon, base + c, 0)
+        gap = height - radius
+        place = axpy(x, plane.u, axpy(y, plane.v, axpy(0.5 * gap, plane.n, plane.origin)))
+        put_point(out, row + c, place, gap, marker + out.polygon_key[base + c, 0])
+    return points
 
 
 @kernel
@@ -37,56 +140,22 @@ def clip_features(sides: int, count: int, n: Vec, radius: float, margin: float, 
     feature.
     Returns: the number of points, at most four.
     """
-    polygon, key = out.polygon, out.polygon_key
-    third = polygon.shape[0] // 3
-    origin = load3(polygon, 0, 0)
+    polygon, third, size = out.polygon, out.polygon.shape[0] // 3, 0.0
     u = perpendicular(n)
-    v = cross(n, u)
-    flatten(polygon, third, count, origin, u, v, n)
-    flatten(polygon, 0, sides, origin, u, v, n)
-    size = 0.0
+    plane = Plane(load3(polygon, 0, 0), u, cross(n, u), n)
+    flatten(polygon, third, count, plane)
+    flatten(polygon, 0, sides, plane)
     for k in range(sides):
         size = max(size, abs(polygon[k, 0]), abs(polygon[k, 1]))
-    near, base, into = ON_SIDE * size, third, 2 * third
+    base, into = third, 2 * third
     for side in range(sides):
-        after = (side + 1) % sides
-        ex, ey = polygon[after, 0] - polygon[side, 0], polygon[after, 1] - polygon[side, 1]
-        length = math.sqrt(ex * ex + ey * ey)
-        kept = 0
-        for c in range(count):
-            a, b = base + c, base + (c + 1) % count
-            da = (ey * (polygon[a, 0] - polygon[side, 0]) - ex * (polygon[a, 1] - polygon[side, 1])) / length
-            db = (ey * (polygon[b, 0] - polygon[side, 0]) - ex * (polygon[b, 1] - polygon[side, 1])) / length
-            if da <= near:
-                for m in range(3):
-                    polygon[into + kept, m] = polygon[a, m]
-                key[into + kept, 0] = key[a, 0]
-                kept += 1
-            if (da <= near) != (db <= near) and not (count == 2 and c == 1):
-                share = min(max(da / (da - db), 0.0), 1.0)
-                for m in range(3):
-                    polygon[into + kept, m] = polygon[a, m] + share * (polygon[b, m] - polygon[a, m])
-                key[into + kept, 0] = CROSSING + 2 * side + (1 if da <= near else 0)
-                kept += 1
-        base, into, count = into, base, kept
-        if count == 0:
-            return 0
-    points = 0
-    for c in range(count):
-        if polygon[base + c, 2] - radius <= margin:
-            for m in range(3):
-                polygon[base + points, m] = polygon[base + c, m]
-            key[base + points, 0] = key[base + c, 0]
-            points += 1
-    wide = 0.0
-    for c in range(1, points):
-        wide = max(wide, abs(polygon[base + c, 0] - polygon[base, 0]), abs(polygon[base + c, 1] - polygon[base, 1]))
-    points = keep_four(out, base, points, LEVEL * wide)
-    for c in range(points):
-        gap = polygon[base + c, 2] - radius
-        place = axpy(polygon[base + c, 0], u, axpy(polygon[base + c, 1], v, axpy(0.5 * gap, n, origin)))
-        put_point(out, row + c, place, gap, marker + key[base + c, 0])
-    return points
+        (ax, ay, _), (bx, by, _) = load3(polygon, side, 0), load3(polygon, (side + 1) % sides, 0)
+        length = math.sqrt((bx - ax) * (bx - ax) + (by - ay) * (by - ay))
+        a, b = (by - ay) / length, (ax - bx) / length
+        left = cut_off(out, base, count, into, (a, b, a * ax + b * ay), ON_SIDE * size, CROSSING + 2 * side)
+        if left >= 0:
+            base, into, count = into, base, left
+    return put_polygon(out, base, count, plane, radius, margin, row, marker)
 
 
 @kernel

@@ -12,7 +12,7 @@ from plumbline.engine.narrow.clip_features import clip_features, crossing_lines
 from plumbline.engine.narrow.curved import sharpen
 from plumbline.engine.narrow.epa import depth
 from plumbline.engine.narrow.features import facing, is_line, write_feature
-from plumbline.engine.narrow.gjk import SHARE, Simplex, distance
+from plumbline.engine.narrow.gjk import Simplex, closest_points, distance
 from plumbline.engine.narrow.point import CORNERS_OF_B, Points, put_point
 from plumbline.engine.narrow.sphere_triangle import sphere_triangle
 from plumbline.engine.narrow.support import Solids, core_radius, separation_along
@@ -40,9 +40,7 @@ def part_cores(
     work = simplex.work
     gap, v, count = distance(t, a, b, d, size, most, work)
     if gap > TOUCHING * size:
-        qa, qb = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
-        for k in range(count):
-            qa, qb = axpy(work[k, SHARE], load3(work, k, 3), qa), axpy(work[k, SHARE], load3(work, k, 6), qb)
+        qa, qb = closest_points(work, count)
         return sharpen(t, a, b, d, size, (gap, scale(-1.0 / norm(v), v), qa, qb))
     deep, n, qa, qb = depth(t, a, b, d, size, count, simplex)
     return sharpen(t, a, b, d, size, (-deep, n, qa, qb))

@@ -102,7 +102,6 @@ def closest_of_simplex(work: Floats, count: int) -> bool:
         work[0, SHARE], work[1, SHARE], work[2, SHARE] = s[0], s[1], s[2]
         return False
     best, inside = math.inf, True
-    shares = (0.25, 0.25, 0.25, 0.25)
     for apex in range(4):
         i, j, k = (apex + 1) % 4, (apex + 2) % 4, (apex + 3) % 4
         p, q, r, top = corner(work, i), corner(work, j), corner(work, k), corner(work, apex)
@@ -116,16 +115,17 @@ def closest_of_simplex(work: Floats, count: int) -> bool:
         x = axpy(s[0], p, axpy(s[1], q, scale(s[2], r)))
         if dot(x, x) < best:
             best = dot(x, x)
-            if apex == 0:
-                shares = (0.0, s[0], s[1], s[2])
-            elif apex == 1:
-                shares = (s[2], 0.0, s[0], s[1])
-            elif apex == 2:
-                shares = (s[1], s[2], 0.0, s[0])
-            else:
-                shares = (s[0], s[1], s[2], 0.0)
-    work[0, SHARE], work[1, SHARE], work[2, SHARE], work[3, SHARE] = shares
+            work[i, SHARE], work[j, SHARE], work[k, SHARE], work[apex, SHARE] = s[0], s[1], s[2], 0.0
     return inside
+
+
+@kernel
+def closest_points(work: Floats, count: int) -> tuple[Vec, Vec]:
+    """The points of A and of B that the shares of a simplex of so many corners tell, both from the centre of A."""
+    qa, qb = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    for k in range(count):
+        qa, qb = axpy(work[k, SHARE], load3(work, k, 3), qa), axpy(work[k, SHARE], load3(work, k, 6), qb)
+    return qa, qb
 
 
 @kernel

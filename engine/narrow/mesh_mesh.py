@@ -18,7 +18,7 @@ from plumbline.engine.maths.vec import add, axpy, cross, dot, mat_vec, neg, norm
 from plumbline.engine.memory import arena as at
 from plumbline.engine.narrow.clip_features import clip_features
 from plumbline.engine.narrow.features import write_feature
-from plumbline.engine.narrow.gjk import SHARE, Simplex, distance
+from plumbline.engine.narrow.gjk import Simplex, closest_points, distance
 from plumbline.engine.narrow.point import CORNERS_OF_B, Points, put_point
 from plumbline.engine.narrow.support import Solids
 from plumbline.engine.narrow.triangle import leans_over
@@ -160,10 +160,7 @@ def mesh_contact(
         return on_a(t, a, b, na, margin, out, row)
     if gap > margin:
         return 0, na
-    qa, qb = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
-    for k in range(count):
-        share = simplex.work[k, SHARE]
-        qa, qb = axpy(share, load3(simplex.work, k, 3), qa), axpy(share, load3(simplex.work, k, 6), qb)
+    qa, qb = closest_points(simplex.work, count)
     n = scale(-1.0 / norm(v), v)
     if dot(n, na) < -INTO or dot(n, nb) > INTO:
         return 0, n

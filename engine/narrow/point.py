@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 from plumbline.engine.compile.jit import kernel
 from plumbline.engine.maths.rows import Floats, Ints, Vec, store3
+from plumbline.engine.maths.vec import axpy
 from plumbline.engine.memory import arena as at
 
 CORNERS_OF_B = 1 << 24
@@ -17,6 +18,20 @@ class Points(NamedTuple):
     key: Ints
     polygon: Floats
     polygon_key: Ints
+
+
+@kernel
+def put_nearest(
+    out: Points, row: int, centre: Vec, radius: float, n: Vec, gap: float, margin: float, feature: int = 0
+) -> tuple[int, Vec]:  # fmt: skip
+    """Write the one point of a ball A and what lies along n, a gap [m] off, unless it is farther off than the margin.
+
+    Returns: the number of points, and n.
+    """
+    if gap > margin:
+        return 0, n
+    put_point(out, row, axpy(radius + 0.5 * gap, n, centre), gap, feature)
+    return 1, n
 
 
 @kernel

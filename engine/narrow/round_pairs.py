@@ -10,7 +10,7 @@ import math
 from plumbline.engine.compile.jit import kernel
 from plumbline.engine.maths.rows import Vec
 from plumbline.engine.maths.vec import add, along, axpy, cross, dot, mat_vec, neg, norm, scale, sub, tmat_vec
-from plumbline.engine.narrow.point import Points, put_point
+from plumbline.engine.narrow.point import Points, put_nearest, put_point
 from plumbline.engine.narrow.solid import Solid, axis_of, moved
 from plumbline.engine.narrow.support import ellipsoid_support
 
@@ -22,13 +22,7 @@ def sphere_sphere(a: Solid, b: Solid, margin: float, out: Points, row: int) -> t
     """Sphere A against sphere B."""
     ra, rb = a.size[0], b.size[0]
     d = sub(b.p, a.p)
-    length = norm(d)
-    gap = length - ra - rb
-    n = along(d, UP)
-    if gap > margin:
-        return 0, n
-    put_point(out, row, axpy(ra + 0.5 * gap, n, a.p), gap, 0)
-    return 1, n
+    return put_nearest(out, row, a.p, ra, along(d, UP), norm(d) - ra - rb, margin)
 
 
 @kernel
@@ -49,12 +43,7 @@ def sphere_capsule(a: Solid, b: Solid, margin: float, out: Points, row: int) -> 
 def sphere_plane(a: Solid, b: Solid, margin: float, out: Points, row: int) -> tuple[int, Vec]:
     """Sphere A against plane B; the normal from A to B is the plane's reversed."""
     up, ra = axis_of(b), a.size[0]
-    gap = dot(sub(a.p, b.p), up) - ra
-    n = scale(-1.0, up)
-    if gap > margin:
-        return 0, n
-    put_point(out, row, axpy(ra + 0.5 * gap, n, a.p), gap, 0)
-    return 1, n
+    return put_nearest(out, row, a.p, ra, neg(up), dot(sub(a.p, b.p), up) - ra, margin)
 
 
 @kernel
@@ -124,12 +113,7 @@ def sphere_cylinder(a: Solid, b: Solid, margin: float, out: Points, row: int) ->
         outward, distance = (p[0] / max(axial, 1e-300), p[1] / max(axial, 1e-300), 0.0), axial - rb
     else:
         outward, distance = (0.0, 0.0, math.copysign(1.0, p[2])), abs(p[2]) - half
-    n = neg(mat_vec(b.m, outward))
-    gap = distance - ra
-    if gap > margin:
-        return 0, n
-    put_point(out, row, axpy(ra + 0.5 * gap, n, a.p), gap, 0)
-    return 1, n
+    return put_nearest(out, row, a.p, ra, neg(mat_vec(b.m, outward)), distance - ra, margin)
 
 
 @kernel
@@ -142,18 +126,10 @@ def cylinder_plane(a: Solid, b: Solid, margin: float, out: Points, row: int) -> 
     lowest = scale(1.0 / sine, fall) if sine > UPRIGHT else (a.m[0], a.m[3], a.m[6])
     beside = cross(axis, lowest)
     side = 1.0 if dot(axis, n) >= 0.0 else -1.0
-    count = 0
+    rims, count = (lowest, lowest, beside, neg(beside), neg(lowest)), 0
     for k in range(5):
         end = -side if k == 1 else side
-        if k <= 1:
-            rim = lowest
-        elif k == 2:
-            rim = beside
-        elif k == 3:
-            rim = neg(beside)
-        else:
-            rim = neg(lowest)
-        place = add(axpy(end * half, axis, a.p), scale(ra, rim))
+        place = add(axpy(end * half, axis, a.p), scale(ra, rims[k]))
         gap = dot(sub(place, b.p), up)
         if gap <= margin and count < 4:
             put_point(out, row + count, axpy(0.5 * gap, n, place), gap, 2 * k + (1 if end > 0.0 else 0))
@@ -167,8 +143,4 @@ def ellipsoid_plane(a: Solid, b: Solid, margin: float, out: Points, row: int) ->
     up = axis_of(b)
     n = neg(up)
     lowest = add(a.p, mat_vec(a.m, ellipsoid_support(a.size, tmat_vec(a.m, n))))
-    gap = dot(sub(lowest, b.p), up)
-    if gap > margin:
-        return 0, n
-    put_point(out, row, axpy(0.5 * gap, n, lowest), gap, 0)
-    return 1, n
+    return put_nearest(out, row, lowest, 0.0, n, dot(sub(lowest, b.p), up), margin)

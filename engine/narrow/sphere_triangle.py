@@ -7,9 +7,9 @@ import math
 
 from plumbline.engine.compile.jit import kernel
 from plumbline.engine.maths.rows import Floats, Vec, load3, load9
-from plumbline.engine.maths.vec import axpy, mat_vec, neg, norm, scale, sub, tmat_vec
+from plumbline.engine.maths.vec import mat_vec, neg, norm, scale, sub, tmat_vec
 from plumbline.engine.memory import arena as at
-from plumbline.engine.narrow.point import Points, put_point
+from plumbline.engine.narrow.point import Points, put_nearest
 from plumbline.engine.narrow.support import Solids
 from plumbline.engine.narrow.triangle import BACK, BESIDE, ON_EDGE, leans_over
 
@@ -62,6 +62,4 @@ def sphere_triangle(t: Solids, a: int, b: int, margin: float, out: Points, row: 
             n = neg(out_of_it)
         elif way[2] < BESIDE * apart or beyond > ON_EDGE * t.shape[b, at.BALL_RADIUS]:
             return 0, n
-    gap = apart - radius
-    put_point(out, row, axpy(radius + 0.5 * gap, n, pa), gap, 1)
-    return 1, n
+    return put_nearest(out, row, pa, radius, n, apart - radius, margin, 1)

@@ -1,8 +1,8 @@
 """Whether two triangles meet, and along which segment: two intervals on the line that their planes have in common.
 
 Every decision is the sign of a determinant of differences of corners: nothing is divided before the answer is known, so that
-it is exact wherever these products are, as of corners on a lattice. Triangles in one plane are told by their edges in it; one
-without an area is as many segments as it has edges.
+it is exact wherever these products are, as of corners on a lattice. Triangles in one plane, and one without an area, are told
+as such: they have no one segment in common, and their distance says the rest.
 
 Source: Moller, A Fast Triangle-Triangle Intersection Test, Journal of Graphics Tools 2(2), 1997 (the intervals); Guigue,
 Devillers, Fast and Robust Triangle-Triangle Overlap Test Using Orientation Predicates, Journal of Graphics Tools 8(1), 2003.
@@ -16,7 +16,7 @@ from plumbline.engine.maths.vec import axpy, cross, dot, sub
 
 APART: Final = 0
 CROSSING: Final = 1  # along a segment, perhaps a point
-FLAT: Final = 2  # in one plane, or one of them has no area: no segment is told
+FLAT: Final = 2  # in one plane, or one of them has no area: whether they meet is not told
 EDGES_OF_B: Final = 3  # edge k of B, from its corner k to the next, is told as this plus k
 NOWHERE: Final = (0.0, 0.0, 0.0)
 
@@ -83,85 +83,8 @@ def cut(t: Mat, h: Vec, i: int, j: int) -> Vec:
 
 
 @kernel
-def segments_meet(a: Vec, b: Vec, c: Vec, d: Vec) -> bool:
-    """Whether the segments a b and c d have a point in common; either may be a point."""
-    u, v, w = sub(b, a), sub(d, c), sub(c, a)
-    n = cross(u, v)
-    squared = dot(n, n)
-    if squared > 0.0:
-        s, t = dot(cross(w, v), n), dot(cross(w, u), n)
-        return dot(n, w) == 0.0 and 0.0 <= s <= squared and 0.0 <= t <= squared
-    along = u if dot(u, u) >= dot(v, v) else v
-    off = cross(along, w)
-    if dot(off, off) > 0.0:
-        return False
-    if dot(along, along) == 0.0:
-        return dot(w, w) == 0.0
-    one, two, three = dot(along, u), dot(along, w), dot(along, sub(d, a))
-    return max(min(0.0, one), min(two, three)) <= min(max(0.0, one), max(two, three))
-
-
-@kernel
-def within(t: Mat, k: int, x: Vec, n: Vec) -> bool:
-    """Whether a point in the plane of a triangle with the normal n lies on its side of edge k, or on that."""
-    a = corner(t, k)
-    return dot(cross(sub(corner(t, k + 1), a), sub(x, a)), n) >= 0.0
-
-
-@kernel
-def holds(t: Mat, x: Vec) -> bool:
-    """Whether a point in the plane of a triangle with an area lies in the triangle."""
-    n = cross(sub(corner(t, 1), corner(t, 0)), sub(corner(t, 2), corner(t, 0)))
-    return within(t, 0, x, n) and within(t, 1, x, n) and within(t, 2, x, n)
-
-
-@kernel
-def edge_meets(a: Vec, b: Vec, t: Mat) -> bool:
-    """Whether the segment a b meets a triangle with an area."""
-    p, q, r = corner(t, 0), corner(t, 1), corner(t, 2)
-    over, under = orientation(p, q, r, a), orientation(p, q, r, b)
-    if over == 0.0 and under == 0.0:
-        for k in range(3):
-            if segments_meet(a, b, corner(t, k), corner(t, k + 1)):
-                return True
-        return holds(t, a)
-    if (over > 0.0 and under > 0.0) or (over < 0.0 and under < 0.0):
-        return False
-    one, two, three = orientation(a, b, p, q), orientation(a, b, q, r), orientation(a, b, r, p)
-    return (one >= 0.0 and two >= 0.0 and three >= 0.0) or (one <= 0.0 and two <= 0.0 and three <= 0.0)
-
-
-@kernel
-def edges_meet(a: Mat, b: Mat) -> bool:
-    """Whether an edge of one triangle has a point in common with one of the other."""
-    for i in range(3):
-        for j in range(3):
-            if segments_meet(corner(a, i), corner(a, i + 1), corner(b, j), corner(b, j + 1)):
-                return True
-    return False
-
-
-@kernel
-def flat_meet(a: Mat, b: Mat) -> bool:
-    """Whether two triangles meet that lie in one plane, or of which one has no area or neither has."""
-    pa = cross(sub(corner(a, 1), corner(a, 0)), sub(corner(a, 2), corner(a, 0)))
-    pb = cross(sub(corner(b, 1), corner(b, 0)), sub(corner(b, 2), corner(b, 0)))
-    wide_a, wide_b = dot(pa, pa) > 0.0, dot(pb, pb) > 0.0
-    if wide_a and wide_b:
-        return edges_meet(a, b) or holds(a, corner(b, 0)) or holds(b, corner(a, 0))
-    if not wide_a and not wide_b:
-        return edges_meet(a, b)
-    for k in range(3):
-        if wide_b and edge_meets(corner(a, k), corner(a, k + 1), b):
-            return True
-        if wide_a and edge_meets(corner(b, k), corner(b, k + 1), a):
-            return True
-    return False
-
-
-@kernel
 def triangle_triangle(a: Mat, b: Mat) -> tuple[int, Vec, Vec, int, int]:
-    """Whether triangles A and B, each with its corners as rows [m], have a point in common.
+    """How triangles A and B, each with its corners as rows [m], meet.
 
     Returns: APART, CROSSING or FLAT; where they cross, the two ends of the segment [m] and the edge on which each lies: of A,
     or of B with EDGES_OF_B added.
@@ -173,7 +96,7 @@ def triangle_triangle(a: Mat, b: Mat) -> tuple[int, Vec, Vec, int, int]:
     if one_side(hb):
         return APART, NOWHERE, NOWHERE, 0, 0
     if ha == NOWHERE or hb == NOWHERE:
-        return (FLAT if flat_meet(a, b) else APART), NOWHERE, NOWHERE, 0, 0
+        return FLAT, NOWHERE, NOWHERE, 0, 0
     p0, above_b = alone(ha)
     q0, above_a = alone(hb)
     # Along n_A x n_B the interval of A goes from p0 p2 to p0 p1, that of B from q0 q1 to q0 q2.

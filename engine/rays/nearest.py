@@ -9,18 +9,7 @@ import math
 from plumbline.engine.compile.jit import kernel, stream
 from plumbline.engine.maths.rows import Floats, Ints
 from plumbline.engine.memory import arena as at
-from plumbline.engine.rays.streams import (
-    Primitive,
-    Rays,
-    Triple,
-    meet_box,
-    meet_capsule,
-    meet_cylinder,
-    meet_ellipsoid,
-    meet_plane,
-    meet_sphere,
-    near_ball,
-)
+from plumbline.engine.rays.streams import Primitive, Rays, Triple, meet, near_ball
 from plumbline.engine.rays.tiling import TileHits
 
 
@@ -94,11 +83,8 @@ def pack(n: int, pick: Ints, rays: Rays, t: Floats, packed: Rays, packed_t: Floa
 @kernel
 def meet_shape(n: int, rays: Rays, shape: Primitive, best: Floats, who: Ints, packed: Rays, pick: Ints, t: Floats) -> int:
     """Try one shape on all rays of a tile; packed, pick, t: room. Returns: for how many it is the nearest so far."""
-    if shape.kind == at.PLANE:
-        meet_plane(n, rays, shape.centre, (shape.axes[2], shape.axes[5], shape.axes[8]), t)
-        return keep_nearer(n, t, shape.number, best, who)
-    if shape.kind == at.SPHERE:
-        meet_sphere(n, rays, shape.centre, shape.size[0], t)
+    if shape.kind in (at.PLANE, at.SPHERE):
+        meet(n, rays, shape, t)
         return keep_nearer(n, t, shape.number, best, who)
     near_ball(n, rays, shape.centre, shape.ball, best, pick)
     some = picked(n, pick, 1, pick)
@@ -106,14 +92,7 @@ def meet_shape(n: int, rays: Rays, shape: Primitive, best: Floats, who: Ints, pa
     if some < n:
         pack(some, pick, rays, best, packed, t)
         chosen = packed
-    if shape.kind == at.BOX:
-        meet_box(some, chosen, shape, t)
-    elif shape.kind == at.CAPSULE:
-        meet_capsule(some, chosen, shape, t)
-    elif shape.kind == at.ELLIPSOID:
-        meet_ellipsoid(some, chosen, shape, t)
-    else:
-        meet_cylinder(some, chosen, shape, t)
+    meet(some, chosen, shape, t)
     return keep_nearer_picked(some, pick, t, shape.number, best, who)
 
 

@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 from plumbline.engine.compile.jit import kernel, stream
 from plumbline.engine.maths.rows import Floats, Ints, Mat, Vec
-from plumbline.engine.maths.vec import mat_vec, tmat_vec
+from plumbline.engine.maths.vec import axpy, dot, mat_vec, norm, scale, tmat_vec
 from plumbline.engine.memory import arena as at
 
 MISS = math.inf
@@ -157,6 +157,7 @@ def meet_capsule(n: int, rays: Rays, shape: Primitive, t: Floats) -> None:
     square = radius * radius
     for i in range(n):
         o, d = ray_in(rays, i, shape.centre, shape.axes)
+        inverse = 1.0 / dot(d, d)
         beyond = abs(o[2]) - half
         beyond = beyond if beyond > 0.0 else 0.0
         inside = o[0] * o[0] + o[1] * o[1] + beyond * beyond < square
@@ -164,9 +165,9 @@ def meet_capsule(n: int, rays: Rays, shape: Primitive, t: Floats) -> None:
         enter, leave = tube(o, d, radius)
         found = leave if inside else enter
         best = sign * found if (found >= 0.0) & (abs(o[2] + found * d[2]) <= half) else MISS
-        low = end_sphere(o, d, -half, square, sign)
+        low = end_sphere(o, d, inverse, -half, square, sign)
         best = low if low < best else best
-        high = end_sphere(o, d, half, square, sign)
+        high = end_sphere(o, d, inverse, half, square, sign)
         best = high if high < best else best
         t[i] = sign * best if best < MISS else MISS
 
@@ -188,55 +189,62 @@ def meet_ellipsoid(n: int, rays: Rays, shape: Primitive, t: Floats) -> None:
 
 
 @kernel
-def end_sphere(o: Vec, d: Vec, end: float, square: float, sign: float) -> float:
+def end_sphere(o: Vec, d: Vec, inverse: float, end: float, square: float, sign: float) -> float:
     """Entry (sign 1) of the sphere about (0, 0, end), or its exit (-1) with its sign changed."""
     z = o[2] - end
-    b = o[0] * d[0] + o[1] * d[1] + z * d[2]
+    b = (o[0] * d[0] + o[1] * d[1] + z * d[2]) * inverse
     x, y, z = o[0] - b * d[0], o[1] - b * d[1], z - b * d[2]
-    found = -b - sign * root_of(square - (x * x + y * y + z * z))
+    found = -b - sign * root_of((square - (x * x + y * y + z * z)) * inverse)
     return sign * found if found >= 0.0 else MISS
+
+
+@kernel
+def meet(n: int, rays: Rays, shape: Primitive, t: Floats) -> None:
+    """Write how far [m] the first n rays go to a shape, infinity for a miss."""
+    if shape.kind == at.PLANE:
+        meet_plane(n, rays, shape.centre, (shape.axes[2], shape.axes[5], shape.axes[8]), t)
+    elif shape.kind == at.SPHERE:
+        meet_sphere(n, rays, shape.centre, shape.size[0], t)
+    elif shape.kind == at.BOX:
+        meet_box(n, rays, shape, t)
+    elif shape.kind == at.CAPSULE:
+        meet_capsule(n, rays, shape, t)
+    elif shape.kind == at.ELLIPSOID:
+        meet_ellipsoid(n, rays, shape, t)
+    else:
+        meet_cylinder(n, rays, shape, t)
+
+
+@kernel
+def normal_at(kind: int, size: Vec, x: Vec) -> Vec:
+    """The outward unit normal of a shape at x [m] on it, both in its own frame: where its distance grows fastest."""
+    if kind == at.PLANE:
+        return 0.0, 0.0, 1.0
+    if kind == at.BOX:
+        u, v, w = abs(x[0]) - size[0], abs(x[1]) - size[1], abs(x[2]) - size[2]
+        first = (u >= v) & (u >= w)
+        second = (v >= w) & (not first)
+        third = not (first | second)
+        signs = (math.copysign(1.0, x[0]), math.copysign(1.0, x[1]), math.copysign(1.0, x[2]))
+        return signs[0] if first else 0.0, signs[1] if second else 0.0, signs[2] if third else 0.0
+    if kind == at.CYLINDER:
+        away = math.sqrt(x[0] * x[0] + x[1] * x[1])
+        cap = abs(x[2]) - size[1] > away - size[0]
+        share = 0.0 if cap else 1.0 / away
+        return share * x[0], share * x[1], math.copysign(1.0, x[2]) if cap else 0.0
+    if kind == at.ELLIPSOID:
+        x = (x[0] / (size[0] * size[0]), x[1] / (size[1] * size[1]), x[2] / (size[2] * size[2]))
+    elif kind == at.CAPSULE:
+        beyond = abs(x[2]) - size[1]
+        x = (x[0], x[1], math.copysign(beyond if beyond > 0.0 else 0.0, x[2]))
+    return scale(1.0 / norm(x), x)
 
 
 @stream
 def normals_of(n: int, rays: Rays, t: Floats, shape: Primitive, normal: Triple) -> None:
-    """Outward unit normals in W where rays end on a shape: the direction in which its distance grows fastest."""
+    """Outward unit normals in W where rays end on a shape."""
     nx, ny, nz = normal
-    kind, c, m, size = shape.kind, shape.centre, shape.axes, shape.size
-    if kind in (at.SPHERE, at.CAPSULE):
-        half = size[1] if kind == at.CAPSULE else 0.0
-        for i in range(n):
-            o, d = ray_in(rays, i, c, m)
-            x, y, z = o[0] + t[i] * d[0], o[1] + t[i] * d[1], o[2] + t[i] * d[2]
-            beyond = abs(z) - half
-            z = math.copysign(beyond if beyond > 0.0 else 0.0, z)
-            scale = 1.0 / math.sqrt(x * x + y * y + z * z)
-            nx[i], ny[i], nz[i] = mat_vec(m, (scale * x, scale * y, scale * z))
-    elif kind == at.BOX:
-        for i in range(n):
-            o, d = ray_in(rays, i, c, m)
-            x, y, z = o[0] + t[i] * d[0], o[1] + t[i] * d[1], o[2] + t[i] * d[2]
-            u, v, w = abs(x) - size[0], abs(y) - size[1], abs(z) - size[2]
-            first = (u >= v) & (u >= w)
-            second = (v >= w) & (not first)
-            x = math.copysign(1.0, x) if first else 0.0
-            y = math.copysign(1.0, y) if second else 0.0
-            z = 0.0 if first | second else math.copysign(1.0, z)
-            nx[i], ny[i], nz[i] = mat_vec(m, (x, y, z))
-    elif kind == at.CYLINDER:
-        for i in range(n):
-            o, d = ray_in(rays, i, c, m)
-            x, y, z = o[0] + t[i] * d[0], o[1] + t[i] * d[1], o[2] + t[i] * d[2]
-            away = math.sqrt(x * x + y * y)
-            cap = abs(z) - size[1] > away - size[0]
-            scale = 0.0 if cap else 1.0 / away
-            nx[i], ny[i], nz[i] = mat_vec(m, (scale * x, scale * y, math.copysign(1.0, z) if cap else 0.0))
-    elif kind == at.ELLIPSOID:
-        for i in range(n):
-            o, d = ray_in(rays, i, c, m)
-            x, y, z = o[0] + t[i] * d[0], o[1] + t[i] * d[1], o[2] + t[i] * d[2]
-            x, y, z = x / (size[0] * size[0]), y / (size[1] * size[1]), z / (size[2] * size[2])
-            scale = 1.0 / math.sqrt(x * x + y * y + z * z)
-            nx[i], ny[i], nz[i] = mat_vec(m, (scale * x, scale * y, scale * z))
-    else:
-        for i in range(n):
-            nx[i], ny[i], nz[i] = m[2], m[5], m[8]
+    kind, size = shape.kind, shape.size
+    for i in range(n):
+        o, d = ray_in(rays, i, shape.centre, shape.axes)
+        nx[i], ny[i], nz[i] = mat_vec(shape.axes, normal_at(kind, size, axpy(t[i], d, o)))

@@ -10,9 +10,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from plumbline.engine.broad.bounds import put_pose
 from plumbline.engine.compile.jit import entry, inlined, kernel
-from plumbline.engine.maths.rows import Floats, Ints, load3, load4, load9, store3, store9
-from plumbline.engine.maths.vec import add, mat_vec, quat_mat, quat_mul
+from plumbline.engine.maths.rows import Floats, Ints, load3, load4, load9
 from plumbline.engine.memory import arena as at
 from plumbline.engine.memory.carve import floats_of, ints_of
 from plumbline.engine.rays.cones import candidates, cone_around, cull, reach_planes
@@ -47,9 +47,7 @@ def pose_primitives(floats: Floats, ints: Ints) -> Primitives:
     for k in range(found):
         s = who[k]
         b = shape_kind[s, at.OWNER]
-        q = load4(state, b, at.Q)
-        store3(pose, k, 0, add(load3(state, b, at.P), mat_vec(quat_mat(q), load3(shape, s, at.OFFSET))))
-        store9(pose, k, 3, quat_mat(quat_mul(q, load4(shape, s, at.TURN))))
+        put_pose(shape, s, load3(state, b, at.P), load4(state, b, at.Q), pose, k)
         for c in range(3):
             ball[c, k] = pose[k, c]
         ball[3, k] = shape[s, at.BALL_RADIUS]

@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from importlib import import_module
-from typing import cast
+from typing import Any, cast
 
 from plumbline.engine.broad.choice import DropApart, FindPairs
 from plumbline.engine.describe.errors import NotSupported
@@ -40,37 +40,23 @@ def choose_step(touching: bool, jointed: bool, options: Options, spheres: bool, 
     if touching and options.solver == "sequential_impulses":
         if jointed:
             raise NotSupported("joints beside contacts", "sequential impulses know contacts only")
-        from plumbline.engine.steps.sequential import step_sequential_impulses
-
-        return step_sequential_impulses
+        return _entry("steps.sequential", "step_sequential_impulses")
     if touching and options.sweeps != GAUSS_SEIDEL:
-        return _named("shared_sweeps", f"{'spheres' if spheres else 'contact'}_{options.sweeps}")
+        return _entry("steps.shared_sweeps", f"step_{'spheres' if spheres else 'contact'}_{options.sweeps}")
     if spheres:
-        from plumbline.engine.steps.spheres import step_spheres
-
-        return step_spheres
-    if islands:
-        name = "islands_jointed" if jointed else "islands"
-        return _named(name, name + ("_parallel" if options.threads > 1 else ""))
-    if touching and jointed:
-        from plumbline.engine.steps.contact_jointed import step_contact_jointed
-
-        return step_contact_jointed
-    if touching:
-        from plumbline.engine.steps.contact import step_contact
-
-        return step_contact
-    from plumbline.engine.steps import smooth
-
+        return _entry("steps.spheres", "step_spheres")
+    if islands or touching:
+        name = f"{'islands' if islands else 'contact'}{'_jointed' if jointed else ''}"
+        return _entry(f"steps.{name}", f"step_{name}" + ("_parallel" if islands and options.threads > 1 else ""))
     if not jointed:
-        return smooth.step_free
+        return _entry("steps.smooth", "step_free")
     refuse_unsmooth(integrator, unsmooth)
-    return smooth.step_jointed_runge_kutta if integrator == "rk4" else smooth.step_jointed_euler
+    return _entry("steps.smooth", "step_jointed_runge_kutta" if integrator == "rk4" else "step_jointed_euler")
 
 
-def _named(module: str, name: str) -> Step:
-    """A step of a module of this package."""
-    return cast(Step, getattr(import_module(f"plumbline.engine.steps.{module}"), f"step_{name}"))
+def _entry(module: str, name: str) -> Callable[..., Any]:
+    """A compiled function of the engine, of which only what a world runs is loaded."""
+    return cast(Callable[..., Any], getattr(import_module(f"plumbline.engine.{module}"), name))
 
 
 def refuse_unsmooth(integrator: str, unsmooth: str) -> None:
@@ -81,26 +67,25 @@ def refuse_unsmooth(integrator: str, unsmooth: str) -> None:
         )
 
 
+IN_JOINT_COORDINATES = {
+    "semi_implicit_euler": "euler",
+    "rk4": "runge_kutta",
+    "implicit_midpoint": "midpoint",
+    ADAPTIVE: "adaptive",
+}
+"""How the step of an integrator in joint coordinates is called."""
+
+
 def joint_coordinates_step(touching: bool, closing: bool, options: Options, unsmooth: str) -> Step:
     """The compiled step of trees in joint coordinates. Args: closing: whether joints close loops; unsmooth: as `choose_step`.
 
     Raises: NotSupported.
     """
     if touching or closing:
-        from plumbline.engine.steps import joint_coordinates_held as held
-
-        if not touching:
-            return held.step_joint_coordinates_closing
-        return held.step_joint_coordinates_touching_and_closing if closing else held.step_joint_coordinates_touching
+        held = "_and_".join(["touching"] * touching + ["closing"] * closing)
+        return _entry("steps.joint_coordinates_held", f"step_joint_coordinates_{held}")
     refuse_unsmooth(options.integrator, unsmooth)
-    from plumbline.engine.steps import joint_coordinates as steps
-
-    return {
-        "semi_implicit_euler": steps.step_joint_coordinates_euler,
-        "rk4": steps.step_joint_coordinates_runge_kutta,
-        "implicit_midpoint": steps.step_joint_coordinates_midpoint,
-        ADAPTIVE: steps.step_joint_coordinates_adaptive,
-    }[options.integrator]
+    return _entry("steps.joint_coordinates", f"step_joint_coordinates_{IN_JOINT_COORDINATES[options.integrator]}")
 
 
 def unsmooth_of(joints: Sequence[Joint]) -> str:
@@ -115,19 +100,10 @@ Collide = Callable[[Floats, Ints], None]
 
 def load_collide(moving_meshes: bool) -> Collide:
     """That of convex shapes, or, where forces move triangle meshes, the one that knows these too."""
-    if moving_meshes:
-        from plumbline.engine.contact.collide_meshes import collide_meshes
-
-        return collide_meshes
-    from plumbline.engine.contact.collide_convex import collide_convex
-
-    return collide_convex
+    name = "collide_meshes" if moving_meshes else "collide_convex"
+    return _entry(f"contact.{name}", name)
 
 
 def load_sorting(coloured: bool) -> Collide | None:
     """What sorts the pairs of a step by colours, where these are wanted."""
-    if not coloured:
-        return None
-    from plumbline.engine.contact.colours import sort_pairs
-
-    return sort_pairs
+    return _entry("contact.colours", "sort_pairs") if coloured else None

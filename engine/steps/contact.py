@@ -13,10 +13,10 @@ from plumbline.engine.memory.status import DIVERGED, DONE
 from plumbline.engine.memory.tables import bodies_of, in_order, joints_of, present_contacts, rows_of
 from plumbline.engine.respond.manifold_sweeps import as_found
 from plumbline.engine.respond.share_loads import list_sharing
-from plumbline.engine.respond.softness import FRESH, FRESH_JOINTED, softness_of
+from plumbline.engine.respond.softness import softness_of
 from plumbline.engine.respond.substep import end_step
 from plumbline.engine.steps.count_step import count_step
-from plumbline.engine.steps.stages import Effort, Group, begin_world, meet, near_blows, release_world, solve_world
+from plumbline.engine.steps.stages import Group, begin_world, effort_of, meet, release_world, solve_world
 
 
 @template
@@ -42,21 +42,16 @@ def advance_contacts(
         if status != DONE:
             return step, status
         advance_untouched(bodies, setting, count, ints_of(ints, at.BODY_ORDER))
-        n, jointed = count[0, at.MANIFOLDS], count[0, at.JOINTS] > 0
+        n = count[0, at.MANIFOLDS]
         contacts, room = present_contacts(floats, ints), ints_of(ints, at.SHARING)
         sharing = in_order(contacts, room[: list_sharing(bodies, contacts, sums, room)])
         group = Group(bodies, touched_of(ints), contacts, sharing, joints, rows, sums, ints_of(ints, at.HURRIED))
         if n > 0:
             mark(floats, ints)
-        for substep in range(count[0, at.SUBSTEPS] if n > 0 or jointed else 0):
+        for substep in range(count[0, at.SUBSTEPS] if n > 0 or count[0, at.JOINTS] > 0 else 0):
             strikes, held = begin_world(group, setting, held, soft, holding)
-            near, times = group.contacts, 0 if n == 0 else 1
-            if n > 0 and (strikes > 0 or (substep == 0 and count[0, at.NEW] > 0)):
-                times = FRESH_JOINTED if jointed else FRESH
-                if not jointed:
-                    hurried = near_blows(bodies.kind, near, group.hurried, count[0, at.STEPS] if substep == 0 else -1)
-                    near = in_order(near, group.hurried[:hurried])
-            struck = solve_world(floats, ints, group, held, soft, Effort(near, times), visit, holding)
+            effort = effort_of(group, count, substep == 0 and count[0, at.NEW] > 0, strikes > 0)
+            struck = solve_world(floats, ints, group, held, soft, effort, visit, holding)
             release_world(floats, ints, group, held, soft, struck, visit, holding)
         end_step(group.contacts)
         if count_step(bodies.state, count) == DIVERGED:

@@ -19,8 +19,11 @@ from plumbline.engine.memory.status import CONVEX_PENDING, DONE, SEARCH_PENDING
 types: Any = numba.types
 FLOATS, INTS = types.Array(types.float64, 1, "C"), types.Array(types.int64, 1, "C")
 STEP = types.UniTuple(types.int64, 2)(FLOATS, INTS, types.int64)
+"""Of a step: (floats, ints, steps) -> steps done, status."""
 SEARCH = types.int64(FLOATS, INTS)
+"""Of a broad phase: (floats, ints) -> status."""
 COLLIDE = types.none(FLOATS, INTS)
+"""Of a narrow phase, or of a test of pairs: (floats, ints)."""
 
 
 def address_of(function: Any, signature: Any) -> Any:
@@ -42,21 +45,6 @@ def _called_apart(function: Any, signature: Any) -> Any:
     if len(signature.args) == 3:
         return compiled(lambda floats, ints, steps: function(floats, ints, steps))
     return compiled(lambda floats, ints: function(floats, ints))
-
-
-def address_of_step(step: Any) -> Any:
-    """The address of a step (floats, ints, steps) -> (steps done, status)."""
-    return address_of(step, STEP)
-
-
-def address_of_search(search: Any) -> Any:
-    """The address of a broad phase (floats, ints) -> status."""
-    return address_of(search, SEARCH)
-
-
-def address_of_collide(collide: Any) -> Any:
-    """The address of a narrow phase, or of a test of pairs, (floats, ints)."""
-    return address_of(collide, COLLIDE)
 
 
 def _caller(signature: Any) -> Callable[..., Any]:

@@ -20,18 +20,9 @@ from plumbline.engine.maths.rows import Floats, Ints
 from plumbline.engine.memory import arena as at
 from plumbline.engine.memory.carve import ints_of
 from plumbline.engine.memory.status import DONE
-from plumbline.engine.memory.tables import Bodies, Contacts, Joints, Rows
+from plumbline.engine.memory.tables import Bodies, Contacts, Joints, Rows, in_order
 from plumbline.engine.respond.share_loads import share_loads
-from plumbline.engine.respond.softness import (
-    FRESH,
-    PRESS,
-    PUSH,
-    REBOUND,
-    RELAX,
-    TURN,
-    Softness,
-    slow_approach,
-)
+from plumbline.engine.respond.softness import FRESH, FRESH_JOINTED, PRESS, PUSH, REBOUND, RELAX, TURN, Softness, slow_approach
 from plumbline.engine.respond.substep import approach, bounce, end_substep, friction_mode
 
 RINGS = 1
@@ -100,6 +91,18 @@ def near_blows(kind: Ints, contacts: Contacts, room: Ints, step: int) -> int:
             room[n, 0] = m
             n += 1
     return n
+
+
+@kernel
+def effort_of(group: Group, count: Ints, fresh: bool, struck: bool) -> Effort:
+    """What is swept more often in a sub-step. Args: fresh: whether contacts may be new; struck: whether any may strike."""
+    near, times = group.contacts, 0 if count[0, at.MANIFOLDS] == 0 else 1
+    if times == 1 and (fresh or struck):
+        if count[0, at.JOINTS] > 0:
+            return Effort(near, FRESH_JOINTED)
+        hurried = near_blows(group.bodies.kind, near, group.hurried, count[0, at.STEPS] if fresh else -1)
+        near, times = in_order(near, group.hurried[:hurried]), FRESH if hurried > 0 else 1
+    return Effort(near, times)
 
 
 def _begin(group: Group, setting: Floats, held: Held, soft: Softness, holding: Callable[..., Held]) -> tuple[int, Held]:

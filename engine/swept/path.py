@@ -10,23 +10,11 @@ Source: Redon, Kheddar, Coquillart, Fast Continuous Collision Detection between 
 
 import math
 
+from plumbline.engine.broad.bounds import put_pose
 from plumbline.engine.compile.jit import kernel
 from plumbline.engine.maths.elementary import atan2
-from plumbline.engine.maths.rows import Floats, Ints, Quat, Vec, load3, load4, store3, store4, store9
-from plumbline.engine.maths.vec import (
-    add,
-    along,
-    axpy,
-    dot,
-    mat_vec,
-    norm,
-    quat_conj,
-    quat_mat,
-    quat_mul,
-    quat_turn,
-    scale,
-    sub,
-)
+from plumbline.engine.maths.rows import Floats, Ints, Quat, Vec, load3, load4, store3, store4
+from plumbline.engine.maths.vec import add, along, axpy, dot, norm, quat_conj, quat_mul, quat_turn, scale, sub
 from plumbline.engine.memory import arena as at
 
 ACCELERATION = 13
@@ -73,5 +61,4 @@ def velocity_of(path: Floats, b: int, time: float) -> Vec:
 def shape_at(path: Floats, shape: Floats, shape_kind: Ints, s: int, time: float, pose: Floats) -> None:
     """Write the pose of shape s in W at a time [s] of its body's path."""
     p, q = body_at(path, shape_kind[s, at.OWNER], time)
-    store3(pose, s, 0, add(p, mat_vec(quat_mat(q), load3(shape, s, at.OFFSET))))
-    store9(pose, s, 3, quat_mat(quat_mul(q, load4(shape, s, at.TURN))))
+    put_pose(shape, s, p, q, pose, s)

@@ -18,6 +18,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from plumbline.engine.contact.points import Contacts, joined, manifold_points
 from plumbline.engine.describe.errors import ManyImpacts
 from plumbline.engine.maths.types import Floats, Ints
 from plumbline.engine.memory import arena as at
@@ -45,17 +46,6 @@ class Impacts:
     crowded: int = 0
 
 
-@dataclass(frozen=True, slots=True)
-class Earlier:
-    """Impulses in the parts of the last step before its last: bodies (k, 2), impulse, point, normal (k, 3), gap (k,)."""
-
-    bodies: Ints
-    impulse: Floats
-    point: Floats
-    normal: Floats
-    gap: Floats
-
-
 class SweptSteps:
     """The step of one world, with the record of its impacts.
 
@@ -68,7 +58,7 @@ class SweptSteps:
         self._path, self._bounds = np.zeros((bodies + 1, PATH_COLUMNS)), np.zeros((shapes, 6))
         self._order = np.arange(shapes)
         self._left, self._done, self._strikes = 0.0, 0, False
-        self._parts: list[Earlier] = []
+        self._parts: list[Contacts] = []
         self.impacts = Impacts()
 
     def __call__(self, floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
@@ -83,12 +73,9 @@ class SweptSteps:
         """The length [s] of the steps to come."""
         self._dt = dt
 
-    @property
-    def earlier(self) -> Earlier:
-        """What acted in the last step before its last part."""
-        if not self._parts:
-            return Earlier(np.empty((0, 2), np.int64), np.empty((0, 3)), np.empty((0, 3)), np.empty((0, 3)), np.empty(0))
-        return Earlier(*(np.concatenate([getattr(part, f) for part in self._parts]) for f in Earlier.__slots__))
+    def joined(self, last: Contacts) -> Contacts:
+        """The contact points of all parts of the last step. Args: last: those of its last part."""
+        return joined(*self._parts, last)
 
     def _step(self, floats: Floats, ints: Ints) -> int:
         """One whole step, or what is left of one that waited for a larger arena. Returns: a status."""
@@ -140,10 +127,7 @@ class SweptSteps:
 
     def _strike(self, floats: Floats, ints: Ints) -> int:
         """The blow of this instant. Returns: a status."""
-        status = self._find_anew(floats, ints) or int(strike(floats, ints, SWEEPS))
-        if status == CONVEX_PENDING:
-            _answer(floats, ints)
-            status = int(strike(floats, ints, SWEEPS))
+        status = self._once_found(floats, ints, lambda: int(strike(floats, ints, SWEEPS)))
         if status == DONE:
             self._strikes = False
             self._note(floats, ints)
@@ -154,22 +138,23 @@ class SweptSteps:
         setting = at.float_table(floats, ints, at.SETTING)[0]
         setting[at.DT] = span
         fit_impulses(floats, ints, span)
-        status = self._find_anew(floats, ints)
-        if status != DONE:
-            return status
-        _, status = self._trial(floats, ints, 1)
-        if status == CONVEX_PENDING:
-            _answer(floats, ints)
-            _, status = self._trial(floats, ints, 1)
-        return status
+        return self._once_found(floats, ints, lambda: self._trial(floats, ints, 1)[1])
 
-    def _find_anew(self, floats: Floats, ints: Ints) -> int:
-        """Make the next contacts be those of the present poses: find their pairs, and count no body as still.
+    def _once_found(self, floats: Floats, ints: Ints, run: Callable[[], int]) -> int:
+        """Run what begins with the contacts of the present poses: find their pairs, and count no body as still.
 
         Contacts kept from part to part would miss bodies that are put where their paths are. Returns: a status.
         """
         at.float_table(floats, ints, at.REST)[:] = np.inf
-        return DONE if self._search is None else self._search(floats, ints)
+        status = DONE if self._search is None else self._search(floats, ints)
+        if status == DONE:
+            status = run()
+        if status == CONVEX_PENDING:
+            from plumbline.engine.contact.collide_convex import collide_convex
+
+            collide_convex(floats, ints)
+            status = run()
+        return status
 
     def compile(self, floats: Floats, ints: Ints) -> None:
         """Compile what only an impact calls for, in a world to be thrown away."""
@@ -178,29 +163,8 @@ class SweptSteps:
 
     def _note(self, floats: Floats, ints: Ints) -> None:
         """Keep the impulses of this part of the step, which the next part will not know."""
-        count, key = int(at.int_table(ints, at.COUNT)[0, at.MANIFOLDS]), at.int_table(ints, at.MANIFOLD_KEY)
-        if count == 0:
-            return
-        manifold, used = np.repeat(np.arange(count), 4), np.arange(4 * count) % 4
-        point = at.float_table(floats, ints, at.POINT)[: 4 * count]
-        acts = (used < key[manifold, at.POINTS]) & point[:, at.SUM : at.SUM + 3].any(axis=1)
-        point, manifold = point[acts], manifold[acts]
-        self._parts.append(
-            Earlier(
-                bodies=key[manifold][:, [at.BODY_A, at.BODY_B]],
-                impulse=point[:, at.SUM : at.SUM + 3].copy(),
-                point=point[:, at.PLACE : at.PLACE + 3].copy(),
-                normal=at.float_table(floats, ints, at.MANIFOLD)[manifold, at.NORMAL : at.NORMAL + 3],
-                gap=point[:, at.FIRST_GAP].copy(),
-            )
-        )
-
-
-def _answer(floats: Floats, ints: Ints) -> None:
-    """Let the convex narrow phase answer the pairs that wait for it."""
-    from plumbline.engine.contact.collide_convex import collide_convex
-
-    collide_convex(floats, ints)
+        count = int(at.int_table(ints, at.COUNT)[0, at.MANIFOLDS])
+        self._parts.append(manifold_points(floats, ints, count, -math.inf, self._dt))
 
 
 def _moving(floats: Floats, ints: Ints) -> list[Floats | Ints]:

@@ -64,18 +64,9 @@ def findings(
 
 
 def _row(finding: "Finding") -> dict[str, object]:
-    return {
-        "name": finding.name,
-        "engine": finding.engine,
-        "kind": finding.kind,
-        "title": finding.title,
-        "seen": ", ".join(finding.seen),
-        "documented": finding.documented,
-        "sources": "; ".join(finding.sources),
-        "mend": finding.mend,
-        "cases": ", ".join(finding.cases),
-        "script": str(finding.script),
-    }
+    row = {name: getattr(finding, name) for name in ("name", "engine", "kind", "title")}
+    row |= {"seen": ", ".join(finding.seen), "documented": finding.documented, "sources": "; ".join(finding.sources)}
+    return row | {"mend": finding.mend, "cases": ", ".join(finding.cases), "script": str(finding.script)}
 
 
 def _print_issue(those: "list[Finding]", asked: str | None, python: Path | None) -> None:
@@ -119,15 +110,8 @@ def _print_standings(those: "list[Finding]", as_json: bool, python: Path | None)
 def _answer(standing: "ScriptAnswer") -> dict[str, object]:
     mended = standing.mended
     assert mended is not None
-    return {
-        "verdict": standing.verdict,
-        "figure": standing.figure,
-        "version": standing.version,
-        "mended": mended.verdict,
-        "mended_figure": mended.figure,
-        "price": mended.price,
-        "price_unit": mended.unit,
-    }
+    row = {name: getattr(standing, name) for name in ("verdict", "figure", "version")}
+    return row | {"mended": mended.verdict, "mended_figure": mended.figure, "price": mended.price, "price_unit": mended.unit}
 
 
 def _cells(standing: "ScriptAnswer") -> list[str]:

@@ -87,21 +87,11 @@ def _bodies(scene: "Scene") -> list[dict[str, Any]]:
 
     rows = []
     for body in scene.bodies:
-        moments = np.linalg.eigvalsh(np.array(body.inertia))
-        shapes = ", ".join(dict.fromkeys(placed.shape.type for placed in body.collision))
-        rows.append(
-            {
-                "kind": "body",
-                "name": body.name,
-                "motion": body.motion,
-                "mass": body.mass,
-                "least_inertia": float(moments[0]),
-                "most_inertia": float(moments[2]),
-                "shapes": shapes,
-                "material": body.material,
-                "p_WB": list(body.p_WB),
-            }
-        )
+        least, _, most = np.linalg.eigvalsh(np.array(body.inertia)).tolist()
+        row = {"kind": "body", "name": body.name, "motion": body.motion, "mass": body.mass}
+        row |= {"least_inertia": least, "most_inertia": most}
+        row |= {"shapes": ", ".join(dict.fromkeys(placed.shape.type for placed in body.collision)), "material": body.material}
+        rows.append(row | {"p_WB": list(body.p_WB)})
     return rows
 
 
@@ -114,13 +104,7 @@ def _cells(body: dict[str, Any]) -> tuple[object, ...]:
 def _joints(imported: "Imported") -> list[dict[str, Any]]:
     rows = []
     for joint in imported.scene.joints:
-        row: dict[str, Any] = {
-            "kind": "joint",
-            "name": joint.name,
-            "type": joint.type,
-            "parent": joint.parent,
-            "child": joint.child,
-        }
+        row: dict[str, Any] = {"kind": "joint"} | {name: getattr(joint, name) for name in ("name", "type", "parent", "child")}
         limits, spring, drive = (getattr(joint, name, None) for name in ("limits", "spring", "drive"))
         row["position"] = getattr(joint, "position", None)
         row |= {"lower": limits.lower, "upper": limits.upper} if limits else {"lower": None, "upper": None}

@@ -13,8 +13,8 @@ from pathlib import Path
 
 from pydantic import TypeAdapter, ValidationError
 
-from plumbline.harness.conformance.catalogue import CHECKS
-from plumbline.harness.conformance.outcomes import CheckOutcome, run_check
+from plumbline.harness.conformance.catalogue import CHECKS, NAMED
+from plumbline.harness.conformance.outcomes import CheckOutcome, as_outcome, run_check
 from plumbline.harness.intake.apart import START
 from plumbline.harness.intake.bounded import Bounded, absolute
 from plumbline.harness.study import plugins
@@ -51,8 +51,7 @@ def outcomes_in(environment: Environment | None, name: str, tracks: Sequence[str
 
 def _failed(name: str, asked: _Asked, message: str) -> CheckOutcome:
     track, check = asked
-    question = next(each.question for each in CHECKS if each.name == check)
-    return CheckOutcome(engine=name, track=track, check=check, question=question, status="failed", message=message)
+    return as_outcome(name, track, NAMED[check], "failed", message)
 
 
 def _asked(environment: Environment | None, name: str, checks: Sequence[_Asked]) -> tuple[list[CheckOutcome], str]:
@@ -85,10 +84,9 @@ def _asked(environment: Environment | None, name: str, checks: Sequence[_Asked])
 
 def _write(name: str, checks: Sequence[_Asked], out: Path) -> None:
     adapter = plugins.adapter(name)
-    kit = {check.name: check for check in CHECKS}
     with out.open("w", encoding="utf-8") as stream:
         for track, check in checks:
-            stream.write(json.dumps(asdict(run_check(adapter, track, kit[check]))) + "\n")
+            stream.write(json.dumps(asdict(run_check(adapter, track, NAMED[check]))) + "\n")
             stream.flush()
     os._exit(0)
 

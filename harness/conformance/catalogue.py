@@ -21,3 +21,4 @@ for subject in SUBJECTS:
 
 CHECKS = tuple(check.CHECKS)
 """Every check; names are stable identifiers."""
+NAMED = {check.name: check for check in CHECKS}

@@ -1,17 +1,30 @@
 """What a conformance check is, and how it words what it found."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import Literal, TypeVar
+from functools import partial, wraps
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from plumbline.harness.adapter import Adapter, Feature, Settings
+from plumbline.harness.adapter import Adapter, Feature, Settings, Unsupported
+from plumbline.harness.conformance.engine import Engine
+from plumbline.harness.trajectory import Floats
 
 
 class NotApplicable(Exception):
     """The check has nothing to ask of this engine, or it refuses by name what is asked; the text says why."""
+
+
+@contextmanager
+def refusable(how: str = "refused") -> Iterator[None]:
+    """What is asked herein may be refused. Raises: NotApplicable, if it is."""
+    try:
+        yield
+    except Unsupported as refusal:
+        raise NotApplicable(f"{how}: {refusal}") from refusal
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,27 +55,12 @@ class ConformanceCheck:
     @property
     def subject(self) -> tuple[str, str]:
         """The folder and the file of `checks` that it stands in: ('contact', 'friction')."""
-        folder, file = getattr(self.run, "func", self.run).__module__.split(".")[-2:]
+        folder, file = self.run.__module__.split(".")[-2:]
         return folder, file
 
 
 CHECKS: list[ConformanceCheck] = []
 """Every check that is defined so far, in the order of definition; `harness.conformance.CHECKS` are all of them."""
-
-Run = TypeVar("Run", bound=Callable[[Adapter, Settings], CheckResult])
-
-
-def check(question: str, needs: Feature = Feature.NONE, *, firm: bool = False, name: str = "") -> Callable[[Run], Run]:
-    """Define a function as the check of this question.
-
-    Args: firm: it must hold on every track and may not be excused. name: of the check; by default that of the function.
-    """
-
-    def define(run: Run) -> Run:
-        CHECKS.append(ConformanceCheck(name=name or run.__name__, question=question, run=run, needs=needs, excusable=not firm))
-        return run
-
-    return define
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,6 +74,38 @@ class Compared:
     holds: bool
     text: str
     measured: bool = False
+
+
+Comparisons = Iterator[Compared]
+"""What a check yields."""
+Asks = Callable[[Engine], Comparisons]
+
+
+def check(
+    question: str, needs: Feature = Feature.NONE, *, firm: bool = False, name: str = "", nothing: str = ""
+) -> Callable[[Asks], Asks]:
+    """Define a function that yields comparisons as the check of this question; it passes when all of them hold.
+
+    Args: firm: it must hold on every track and may not be excused. name: of the check; by default that of the function.
+    nothing: why the check does not apply where there was nothing to compare.
+    """
+
+    def define(asks: Asks) -> Asks:
+        @wraps(asks)
+        def run(adapter: Adapter, settings: Settings) -> CheckResult:
+            comparisons = tuple(asks(Engine(adapter, settings)))
+            if nothing and not comparisons:
+                raise NotApplicable(nothing)
+            return judge(*comparisons)
+
+        CHECKS.append(ConformanceCheck(name=name or asks.__name__, question=question, run=run, needs=needs, excusable=not firm))
+        return asks
+
+    return define
+
+
+firm = partial(check, firm=True)
+"""The check of a question whose answer may not be excused."""
 
 
 def _worded(value: ArrayLike) -> str:
@@ -106,6 +136,20 @@ def all_near(*numbers: tuple[str, ArrayLike, ArrayLike, float], because: str) ->
     if all(share <= 1.0 for share in shares):
         return [Compared(True, f"{numbers[0][0]} and more: at most {max(shares):.2g} of what is allowed", measured=True)]
     return [near(what, got, expected, within, because) for what, got, expected, within in numbers]
+
+
+def worst(what: str, got: Floats, expected: Floats, within: float, because: str = "") -> Compared:
+    """Is all of an array, infinities apart, near what is expected? NaN is near to nothing."""
+    if got.shape != expected.shape:
+        return near(what, got, expected, within)
+    both = np.isinf(got) & (got == expected)
+    off = np.abs(np.where(both, 0.0, got) - np.where(both, 0.0, expected))
+    return near(f"worst error of {what}", float(off.max()), 0.0, within, because)
+
+
+def said(text: str) -> Compared:
+    """A comparison that holds, in words that are told."""
+    return Compared(True, text, measured=True)
 
 
 def that(holds: bool, text: str) -> Compared:

@@ -7,9 +7,9 @@ from typing import Literal
 
 from plumbline.harness.adapter import Adapter, Feature
 from plumbline.harness.conformance.apart import LONGEST
-from plumbline.harness.conformance.catalogue import CHECKS
+from plumbline.harness.conformance.catalogue import NAMED
 from plumbline.harness.conformance.check import ConformanceCheck
-from plumbline.harness.conformance.outcomes import CheckOutcome, run_check
+from plumbline.harness.conformance.outcomes import CheckOutcome, as_outcome, run_check
 from plumbline.harness.intake.bounded import limit_files, named_signal
 from plumbline.harness.intake.deadline import Deadline
 from plumbline.harness.run.fork_servers import WORTH_A_SERVER, expect, loaded, start
@@ -39,37 +39,27 @@ def _asked(adapter: Adapter, track: Literal["default", "tuned"], check: Conforma
     expect([__name__])
     process = start(loaded(adapter.loads, WORTH_A_SERVER), _put, adapter.name, track, check.name)
     inbox, deadline = Inbox(process.pipe), Deadline(process.pid, LONGEST + adapter.compile_allowance)
+    how = ""
     try:
-        while (message := inbox.next(_LISTENS)) is None:
+        while not how:
+            if (message := inbox.next(_LISTENS)) is not None:
+                outcome: CheckOutcome = read_value(CheckOutcome, message[1])
+                return outcome
             if late := deadline.passed():
-                return _failed(adapter, track, check, f"did not end within {LONGEST + adapter.compile_allowance:g} s, {late}")
-        outcome: CheckOutcome = read_value(CheckOutcome, message[1])
-        return outcome
+                how = f"did not end within {LONGEST + adapter.compile_allowance:g} s, {late}"
     except EOFError:
         code = process.exit_code()
         how = f"was killed by {named_signal(-code)}" if code is not None and code < 0 else f"ended with exit code {code}"
-        return _failed(adapter, track, check, how)
     except BrokenMessage as error:
-        return _failed(adapter, track, check, f"said what is no outcome: {error}")
+        how = f"said what is no outcome: {error}"
     finally:
         process.end()
         inbox.pipe.close()
-
-
-def _failed(adapter: Adapter, track: str, check: ConformanceCheck, how: str) -> CheckOutcome:
-    return CheckOutcome(
-        engine=adapter.name,
-        track=track,
-        check=check.name,
-        question=check.question,
-        status="failed",
-        message=f"the process of the check {how}",
-    )
+    return as_outcome(adapter.name, track, check, "failed", f"the process of the check {how}")
 
 
 def _put(pipe: Connection, name: str, track: Literal["default", "tuned"], check: str) -> None:
     """Put a check to an engine, and tell what it found."""
     os.setpgid(0, 0)  # what it starts ends with it
     limit_files()
-    kit = {each.name: each for each in CHECKS}
-    send(pipe, "outcome", dataclasses.asdict(run_check(plugins.adapter(name), track, kit[check])))
+    send(pipe, "outcome", dataclasses.asdict(run_check(plugins.adapter(name), track, NAMED[check])))

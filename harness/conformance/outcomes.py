@@ -7,7 +7,15 @@ from typing import Literal
 from plumbline.harness.adapter import Adapter, SettingsError, Unsupported
 from plumbline.harness.conformance.catalogue import CHECKS
 from plumbline.harness.conformance.check import CheckResult, ConformanceCheck, NotApplicable
-from plumbline.harness.conformance.checks.contract.features import refusal
+from plumbline.harness.conformance.checks.contract.features import NotRefused, refused
+from plumbline.harness.conformance.engine import Engine
+
+Status = Literal["passed", "failed", "known", "improved", "not_applicable"]
+_UNFIT: dict[str, tuple[Status, str]] = {
+    "passed": ("improved", "it passes: drop the declaration"),
+    "not_applicable": ("failed", "it does not apply"),
+}
+"""What a finding makes of a declaration that it does not fit, and why in words."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -24,7 +32,7 @@ class CheckOutcome:
     track: str
     check: str
     question: str
-    status: Literal["passed", "failed", "known", "improved", "not_applicable"]
+    status: Status
     message: str
 
 
@@ -51,10 +59,12 @@ def _finding(adapter: Adapter, track: str, check: ConformanceCheck) -> CheckResu
         settings = adapter.tracks[track]
         missing = check.needs & ~adapter.features
         if missing:
-            return refusal(adapter, settings, missing)
+            return CheckResult("not_applicable", refused(Engine(adapter, settings), missing))
         return check.run(adapter, settings)
     except NotApplicable as reason:
         return CheckResult("not_applicable", str(reason))
+    except NotRefused as error:
+        return CheckResult("failed", str(error))
     except Unsupported as error:
         claimed = ", ".join(check.needs.names) or "nothing in particular"
         return CheckResult("failed", f"Unsupported: {error}; the check needs {claimed}, which the engine claims")
@@ -68,23 +78,19 @@ def run_check(adapter: Adapter, track: str, check: ConformanceCheck) -> CheckOut
     """One check on one track; declared failures are strict expectations."""
     finding = _finding(adapter, track, check)
     reason = adapter.known_failures.get(f"{track}/{check.name}")
-    status: Literal["passed", "failed", "known", "improved", "not_applicable"] = finding.status
+    status: Status = finding.status
     message = finding.message
-    if reason is not None:
-        if not check.excusable:
-            status, message = "failed", f"declared as a known failure ({reason}), but this must hold on every track; {message}"
-        elif finding.status == "failed":
-            status, message = "known", f"{reason}; {message}"
-        elif finding.status == "passed":
-            status, message = (
-                "improved",
-                f"declared as a known failure ({reason}), but it passes: drop the declaration; {message}",
-            )
-        else:
-            status, message = "failed", f"declared as a known failure ({reason}), but it does not apply; {message}"
-    return CheckOutcome(
-        engine=adapter.name, track=track, check=check.name, question=check.question, status=status, message=message
-    )
+    if reason is not None and check.excusable and finding.status == "failed":
+        status, message = "known", f"{reason}; {message}"
+    elif reason is not None:
+        status, but = _UNFIT[finding.status] if check.excusable else ("failed", "this must hold on every track")
+        message = f"declared as a known failure ({reason}), but {but}; {message}"
+    return as_outcome(adapter.name, track, check, status, message)
+
+
+def as_outcome(engine: str, track: str, check: ConformanceCheck, status: Status, message: str) -> CheckOutcome:
+    """How a check went."""
+    return CheckOutcome(engine=engine, track=track, check=check.name, question=check.question, status=status, message=message)
 
 
 def run_conformance(

@@ -15,33 +15,15 @@ from typing import Any
 import numpy as np
 
 from plumbline.harness.adapter import Feature
+from plumbline.harness.conformance.frames import ORIGIN, TURNED, symmetric, vector
 from plumbline.harness.conformance.multibody import EndState, Multibody, matrix
-from plumbline.harness.conformance.scenes import TURNED, G, free
-from plumbline.harness.scene import (
-    WORLD,
-    Ball,
-    Body,
-    Box,
-    Distance,
-    Drive,
-    Joint,
-    Limits,
-    PlacedShape,
-    Prescribed,
-    Prismatic,
-    Quaternion,
-    Revolute,
-    Scene,
-    Shift,
-    Sinusoid,
-    Sphere,
-    Spring,
-    Turn,
-    Vector3,
-    axis_angle,
-    multiply,
-)
-from plumbline.harness.trajectory import Floats
+from plumbline.harness.conformance.scenes import G, free, prismatic, tie
+from plumbline.harness.scene.body import Body, PlacedShape
+from plumbline.harness.scene.joint import WORLD, Ball, Drive, Joint, Limits, Prismatic, Revolute, Spring
+from plumbline.harness.scene.motion import Prescribed, Shift, Sinusoid, Turn, axis_angle, multiply
+from plumbline.harness.scene.scene import Scene
+from plumbline.harness.scene.shape import Box, Sphere
+from plumbline.harness.scene.values import Quaternion, Vector3
 
 DURATION, STEP = 0.03, 1e-3
 """Seconds of motion, and the step that engines take it in."""
@@ -151,14 +133,8 @@ def _limited(lower: float | None, upper: float | None, start: float) -> Callable
 def _spring(plan: PairPlan) -> PairPlan:
     """A spring between points of parent and child, tied off their centres and off the joint, stretched, with a damper."""
     parent = "parent" if "parent" in plan.bodies else WORLD
-    line = Distance(
-        name="line",
-        parent=parent,
-        child="child",
-        anchor_W=(-0.15, 0.25, 0.1),
-        child_anchor_W=(0.6, 0.15, -0.05),
-        spring=Spring(stiffness=60.0, damping=1.5, rest=0.5),
-    )
+    spring = Spring(stiffness=60.0, damping=1.5, rest=0.5)
+    line = tie("line", "child", (-0.15, 0.25, 0.1), (0.6, 0.15, -0.05), parent=parent, spring=spring)
     return replace(plan, joints=(*plan.joints, line))
 
 
@@ -166,9 +142,8 @@ def _offset(plan: PairPlan) -> PairPlan:
     """Products of inertia, and a shape that is placed and turned off the centre of mass."""
     R = matrix(np.array(_ASKEW))
     inertia = R @ np.diag([0.05, 0.07, 0.06]) @ R.T
-    rows: Any = tuple(tuple(float(x) for x in row) for row in (inertia + inertia.T) / 2)
     shape = PlacedShape(shape=Box(half_extents=(0.04, 0.06, 0.05)), p_BS=(0.05, -0.1, 0.08), q_BS=_ASKEW)
-    return _body(plan, "child", inertia=rows, collision=(shape, *plan.bodies["child"].collision))
+    return _body(plan, "child", inertia=symmetric(inertia), collision=(shape, *plan.bodies["child"].collision))
 
 
 def _compound(plan: PairPlan) -> PairPlan:
@@ -183,7 +158,7 @@ def _prescribed(plan: PairPlan) -> PairPlan:
         shifts=(Shift(axis_W=(0.6, 0.0, 0.8), motion=Sinusoid(amplitude=0.05, frequency=2.0, phase=0.5)),),
         turn=Turn(anchor_W=(0.1, -0.2, 0.1), axis_W=_SECOND, motion=Sinusoid(amplitude=0.4, frequency=1.0, phase=0.3)),
     )
-    return _body(plan, "parent", motion="kinematic", prescribed=law, v_WB=(0.0, 0.0, 0.0), w_WB=(0.0, 0.0, 0.0))
+    return _body(plan, "parent", motion="kinematic", prescribed=law, v_WB=ORIGIN, w_WB=ORIGIN)
 
 
 def _second_joint(plan: PairPlan) -> PairPlan:
@@ -192,7 +167,7 @@ def _second_joint(plan: PairPlan) -> PairPlan:
     joint = plan.joints[last]
     assert isinstance(joint, Revolute | Prismatic)
     between = Body.between("between", (0.3, -0.2, 0.4))
-    slide = Prismatic(name="rail", parent=joint.parent, child="between", anchor_W=(0.1, 0.0, 0.3), axis_W=(0.8, 0.0, -0.6))
+    slide = prismatic("rail", "between", (0.1, 0.0, 0.3), (0.8, 0.0, -0.6), parent=joint.parent)
     joints = (*plan.joints[:last], slide, replace(joint, parent="between"), *plan.joints[last + 1 :])
     return replace(plan, bodies=plan.bodies | {"between": between}, joints=joints)
 
@@ -253,7 +228,7 @@ class Pair:
     def plan(self) -> PairPlan:
         """The scene and how it is run."""
         bodies = {} if self.hung else {"parent": free("parent", mass=3.0, moments=(0.3, 0.2, 0.25))}
-        child = free("child", mass=1.5, moments=(0.05, 0.07, 0.06), p=_vector(_CHILD))
+        child = free("child", mass=1.5, moments=(0.05, 0.07, 0.06), p=vector(_CHILD))
         bodies |= {"child": replace(child, v_WB=(0.4, -0.3, 0.5), w_WB=(0.9, 1.2, -0.7))}
         if not self.hung:
             bodies["parent"] = replace(bodies["parent"], v_WB=(0.2, 0.1, -0.3), w_WB=(0.3, -0.4, 0.5))
@@ -261,10 +236,10 @@ class Pair:
         upper, anchor, axis = WORLD if self.hung else "parent", _ANCHOR, _AXIS
         for lower, kind in zip(("child", "third"), self.kinds, strict=False):
             if lower == "third":
-                bodies["third"] = free("third", mass=0.8, moments=(0.03, 0.02, 0.04), p=_vector(_THIRD))
+                bodies["third"] = free("third", mass=0.8, moments=(0.03, 0.02, 0.04), p=vector(_THIRD))
             make = {"hinge": Revolute, "slide": Prismatic, "ball": Ball}[kind]
             along = {} if kind == "ball" else {"axis_W": axis}
-            joints.append(make(name=kind, parent=upper, child=lower, anchor_W=_vector(anchor), **along))
+            joints.append(make(name=kind, parent=upper, child=lower, anchor_W=vector(anchor), **along))
             upper, anchor, axis = lower, _FURTHER, _SECOND
         plan = PairPlan(bodies, tuple(joints))
         for noun in self.nouns:
@@ -290,13 +265,8 @@ def _set_going(plan: PairPlan) -> PairPlan:
         moving = v + np.cross(w, anchor - start) + np.cross(w + spin, lower - anchor)
         if isinstance(joint, Prismatic):
             moving = moving + rate / 3 * np.array(joint.axis_W)
-        plan = _body(plan, joint.child, v_WB=_vector(moving), w_WB=_vector(w + spin))
+        plan = _body(plan, joint.child, v_WB=vector(moving), w_WB=vector(w + spin))
     return plan
-
-
-def _vector(array: Floats) -> Vector3:
-    x, y, z = (float(c) for c in array)
-    return x, y, z
 
 
 def _together(a: Noun, b: Noun) -> bool:

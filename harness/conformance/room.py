@@ -1,81 +1,17 @@
-"""Running a scene on an adapter; and a room of six walls, whose ranges have a closed form, in which a body flies and turns with
-sensors mounted askew.
-"""
+"""A room of six walls, whose ranges have a closed form, in which a body flies and turns with sensors mounted askew."""
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from plumbline.harness.adapter import Adapter, Settings, Simulation
-from plumbline.harness.conformance.check import Compared, near
-from plumbline.harness.conformance.scenes import TURNED, first_hit, free, rotation, static
-from plumbline.harness.scene import (
-    Appearance,
-    Body,
-    Box,
-    Scene,
-    Sensor,
-    axis_angle,
-    multiply,
-)
+from plumbline.harness.conformance.closed_forms import first_hit
+from plumbline.harness.conformance.engine import COARSE, Engine, state_of
+from plumbline.harness.conformance.frames import TURNED, rotation, vector
+from plumbline.harness.conformance.scenes import free, static, without_gravity
+from plumbline.harness.scene import Appearance, Body, Box, Scene, Sensor, axis_angle, multiply
 from plumbline.harness.sensors.recorder import SensorRecorder
-from plumbline.harness.trajectory import Floats, State, Trajectory
-
-COARSE = 1 / 240
-"""Time step of checks on free motion [s]."""
-FINE = 1e-3
-"""Time step of checks on contacts and joints [s]: small enough that first-order schemes err by less than the tolerances."""
-ROUNDING = 1e-5
-"""Relative rounding granted after some hundred steps: engines in single precision (2^-24 = 6e-8 a step) must pass."""
-
-
-@contextmanager
-def built(adapter: Adapter, scene: Scene, settings: Settings) -> Iterator[Simulation]:
-    """The scene in the engine, closed at the end whatever happens."""
-    simulation = adapter.build(scene, settings)
-    try:
-        yield simulation
-    finally:
-        simulation.close()
-
-
-def state_of(simulation: Simulation, scene: Scene) -> State:
-    """The present state in fresh arrays, filled with NaN before, so that what is not written is seen."""
-    n = len(scene.bodies)
-    out = State(np.full((n, 3), np.nan), np.full((n, 4), np.nan), np.full((n, 3), np.nan), np.full((n, 3), np.nan))
-    simulation.state(out)
-    return out
-
-
-def final(adapter: Adapter, scene: Scene, settings: Settings, duration: float) -> State:
-    """The state after `duration` [s], rounded to whole steps, in one call of step."""
-    with built(adapter, scene, settings) as simulation:
-        simulation.step(round(duration / settings.dt))
-        return state_of(simulation, scene)
-
-
-def record(adapter: Adapter, scene: Scene, settings: Settings, duration: float, every: int = 1) -> Trajectory:
-    """The states from 0 to `duration` [s], each `every` steps."""
-    samples = round(duration / settings.dt / every)
-    time = np.array([k * every * settings.dt for k in range(samples + 1)], dtype=np.float64)
-    states: list[State] = []
-    with built(adapter, scene, settings) as simulation:
-        for k in range(samples + 1):
-            if k:
-                simulation.step(every)
-            states.append(state_of(simulation, scene))
-    return Trajectory(
-        time,
-        np.stack([s.p_WB for s in states]),
-        np.stack([s.q_WB for s in states]),
-        np.stack([s.v_WB for s in states]),
-        np.stack([s.w_WB for s in states]),
-        settings.dt,
-    )
-
+from plumbline.harness.trajectory import Floats, State
 
 MOUNT: dict[str, Any] = {
     "body": "carrier",
@@ -99,17 +35,17 @@ def carrier(**fields: Any) -> Body:
     return replace(free("carrier", moments=(0.3, 0.2, 0.25), q=TURNED), **fields)
 
 
-def read_on(adapter: Adapter, settings: Settings, scene: Scene, steps: int) -> tuple[dict[str, Floats], list[State]]:
-    """The streams of a scene's sensors after so many steps, and the states at all of them, the start's first."""
-    with built(adapter, scene, settings) as simulation:
-        recorder = SensorRecorder(scene, simulation, _SEED, settings.dt)
+def read_on(engine: Engine, scene: Scene, steps: int) -> tuple[dict[str, Floats], list[State]]:
+    """The streams of a scene's sensors after so many coarse steps, and the states at all of them, the start's first."""
+    with engine.built(scene, COARSE) as simulation:
+        recorder = SensorRecorder(scene, simulation, _SEED, COARSE)
         states = [state_of(simulation, scene)]
         recorder.read(0.0, states[0])
         for k in range(1, steps + 1):
             simulation.step(1)
             states.append(state_of(simulation, scene))
             if k % recorder.interval_steps == 0:
-                recorder.read(k * settings.dt, states[k])
+                recorder.read(k * COARSE, states[k])
         return recorder.streams(), states
 
 
@@ -121,18 +57,11 @@ def in_a_room(*sensors: Sensor, **carried: Any) -> Scene:
         for side in (-1.0, 1.0):
             centre, extents = middle.copy(), half + 1.0
             centre[axis], extents[axis] = middle[axis] + side * (half[axis] + 0.5), 0.5
-            x, y, z = (float(c) for c in centre)
-            wall = static(f"{name} {'low' if side < 0 else 'high'}", Box(half_extents=three(extents)), p=(x, y, z))
+            wall = static(f"{name} {'low' if side < 0 else 'high'}", Box(half_extents=vector(extents)), p=vector(centre))
             bodies.append(replace(wall, appearance=Appearance(reflectivity=WALLS[len(bodies) - 1])))
     box = static("near", Box(half_extents=_NEAR), p=(1.3, 0.2, 0.6), q=TURNED)
     bodies.append(replace(box, appearance=Appearance(reflectivity=WALLS[6])))
-    return Scene(bodies=tuple(bodies), sensors=sensors, gravity=(0.0, 0.0, 0.0))
-
-
-def three(row: Floats) -> tuple[float, float, float]:
-    """The numbers of a row (3,), as a scene takes them."""
-    x, y, z = (float(c) for c in row)
-    return x, y, z
+    return without_gravity(*bodies, sensors=sensors)
 
 
 @dataclass(frozen=True, slots=True)
@@ -165,12 +94,3 @@ def mounted(state: State) -> tuple[Floats, Floats]:
     """Origin (3,) and axes (3, 3) in W of what is mounted on the carrier, the first body."""
     R_WB = rotation(state.q_WB[0])
     return state.p_WB[0] + R_WB @ MOUNT["p_BS"], R_WB @ rotation(MOUNT["q_BS"])
-
-
-def worst(what: str, got: Floats, expected: Floats, within: float, because: str = "") -> Compared:
-    """Is all of an array, infinities apart, near what is expected? NaN is near to nothing."""
-    if got.shape != expected.shape:
-        return near(what, got, expected, within)
-    both = np.isinf(got) & (got == expected)
-    off = np.abs(np.where(both, 0.0, got) - np.where(both, 0.0, expected))
-    return near(f"worst error of {what}", float(off.max()), 0.0, within, because)

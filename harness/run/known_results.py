@@ -71,5 +71,21 @@ class Guide:
         return trials
 
 
+class Waited(Guide):
+    """A run that a person waits for. Terms: over: did the time run out? What has no answer then is left out."""
+
+    sitting = 5.0
+    over = False
+
+    def broken_off(self, under_way: Sequence[UnderWay]) -> None:
+        """The time was up."""
+        del under_way
+        self.over = True
+
+    def asked(self, trials: Collection[str], records: Mapping[str, Record]) -> Collection[str]:
+        """What was answered, where the time was up."""
+        return [trial for trial in trials if trial in records] if self.over else trials
+
+
 UNGUIDED = Guide()
 """A run without a history."""

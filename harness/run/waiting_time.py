@@ -17,8 +17,7 @@ from typing import TYPE_CHECKING, Self
 from plumbline.harness.case import Case
 from plumbline.harness.case.alteration import AS_IT_IS
 from plumbline.harness.intake.safe_text import LONGEST, one_line
-from plumbline.harness.run.interrupt import UnderWay
-from plumbline.harness.run.known_results import Guide
+from plumbline.harness.run.known_results import Waited
 from plumbline.harness.run.timing_protocol import clock_time
 from plumbline.harness.store.record import Record
 from plumbline.harness.study.trial import Trial
@@ -32,14 +31,12 @@ PRESENTING, MOST_PRESENTING = 12.0, 0.25
 """Seconds that the start, tables and pages take on a quiet core, and the largest share of a budget that is kept for them."""
 
 
-class Waiting(Guide):
+class Waiting(Waited):
     """Terms: measuring [s]: of the budget, before tables and pages are made. look: is told once of the first steps of all
-    ladders, as soon as they are answered. over: did the time run out?"""
-
-    sitting = 5.0
+    ladders, as soon as they are answered."""
 
     def __init__(self, budget: float, cases: Mapping[str, Case], look: Callable[[Sequence[Record]], object]) -> None:
-        self.begun, self.over = time.monotonic(), False
+        self.begun = time.monotonic()
         self.measuring = budget - min(PRESENTING, MOST_PRESENTING * budget)
         self._cases, self._look = cases, look
         self._ladder: set[str] = set()
@@ -87,15 +84,6 @@ class Waiting(Guide):
             if left > 0:
                 chosen.append(trial.trial)
         return chosen
-
-    def broken_off(self, under_way: Sequence[UnderWay]) -> None:
-        """The time was up."""
-        del under_way
-        self.over = True
-
-    def asked(self, trials: Collection[str], records: Mapping[str, Record]) -> Collection[str]:
-        """What was answered: nobody waited for the rest."""
-        return [trial for trial in trials if trial in records] if self.over else trials
 
 
 QUIET = 5.0

@@ -9,7 +9,7 @@ beside plumbline is found first.
 import hashlib
 import shutil
 import sys
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import replace
@@ -19,12 +19,10 @@ import psutil
 
 from plumbline.harness.intake.bounded import bounded
 from plumbline.harness.intake.user_cache import is_ours, make_ours
-from plumbline.harness.run.interrupt import UnderWay
-from plumbline.harness.run.known_results import Guide
+from plumbline.harness.run.known_results import Waited
 from plumbline.harness.run.make_environment import NotMade, last_error
 from plumbline.harness.run.waiting_time import Progress
 from plumbline.harness.store import disk, zoo_record
-from plumbline.harness.store.record import Record
 from plumbline.harness.store.zoo_record import ZooEntry
 from plumbline.harness.study import plugins, sources, zoo
 from plumbline.harness.study.environments import root
@@ -118,16 +116,14 @@ def install() -> None:
     look()
 
 
-class RobotByRobot(Guide):
-    """The zoo goes robot by robot, as many at a time as there are workers: broken off, it has whole robots.
+class RobotByRobot(Waited):
+    """The zoo goes robot by robot, as many at a time as workers: broken off, it has whole robots, and --resume goes on.
 
     Terms: end [s]: on the monotonic clock. cases: in their order.
     """
 
-    sitting = 5.0
-
     def __init__(self, cases: Collection[str], at_once: int, end: float) -> None:
-        self._cases, self._at_once, self._end, self.over = [*cases], at_once, end, False
+        self._cases, self._at_once, self._end = [*cases], at_once, end
 
     def end(self) -> float:
         """When its time is up."""
@@ -139,12 +135,3 @@ class RobotByRobot(Guide):
             mine = set(self._cases[first : first + self._at_once])
             if batch := [trial for trial in trials if trial.case in mine]:
                 yield batch
-
-    def broken_off(self, under_way: Sequence[UnderWay]) -> None:
-        """The time was up."""
-        del under_way
-        self.over = True
-
-    def asked(self, trials: Collection[str], records: Mapping[str, Record]) -> Collection[str]:
-        """What was answered, where the time was up: --resume goes on with the rest."""
-        return [trial for trial in trials if trial in records] if self.over else trials

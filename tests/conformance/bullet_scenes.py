@@ -10,7 +10,7 @@ import pytest
 
 from plumbline.adapters.bullet import ADAPTER
 from plumbline.harness.adapter import Settings, Simulation
-from plumbline.harness.conformance.scenes import rotation
+from plumbline.harness.conformance.frames import rotation
 from plumbline.harness.scene import (
     Body,
     Box,

@@ -10,7 +10,8 @@ import pytest
 
 from plumbline.adapters.bullet import ADAPTER
 from plumbline.harness.adapter import Diverged, Settings, SettingsError
-from plumbline.harness.conformance.scenes import rotation, turning
+from plumbline.harness.conformance.closed_forms import turning
+from plumbline.harness.conformance.frames import rotation
 from plumbline.harness.scene import (
     WORLD,
     Ball,

@@ -12,7 +12,7 @@ from scipy.integrate import solve_ivp
 from plumbline.adapters.bullet import ADAPTER
 from plumbline.harness.adapter import Diverged, Settings
 from plumbline.harness.case.starts import member
-from plumbline.harness.conformance.scenes import rotation
+from plumbline.harness.conformance.frames import rotation
 from plumbline.harness.scene import (
     WORLD,
     Ball,

@@ -9,7 +9,7 @@ import pytest
 
 from plumbline.adapters.bullet import ADAPTER
 from plumbline.harness.adapter import Unsupported
-from plumbline.harness.conformance.scenes import rotation
+from plumbline.harness.conformance.frames import rotation
 from plumbline.harness.scene import (
     WORLD,
     Ball,

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from plumbline.harness.adapter import Diverged, Settings, SettingsError
-from plumbline.harness.conformance.scenes import angle_between, first_hit, rotation
+from plumbline.harness.conformance.closed_forms import first_hit
+from plumbline.harness.conformance.frames import angle_between, rotation
 from plumbline.harness.scene import (
     WORLD,
     Ball,

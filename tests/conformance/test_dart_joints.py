@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from plumbline.harness.adapter import Settings, Unsupported
-from plumbline.harness.conformance.scenes import rotation
+from plumbline.harness.conformance.frames import rotation
 from plumbline.harness.scene import (
     WORLD,
     Ball,

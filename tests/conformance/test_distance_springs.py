@@ -8,7 +8,7 @@ import pytest
 from plumbline.harness.adapter import Adapter, Unsupported
 from plumbline.harness.adapter.distance_springs import DistanceSprings
 from plumbline.harness.adapter.features import features_of
-from plumbline.harness.conformance.room import built, record, state_of
+from plumbline.harness.conformance.engine import Engine, state_of
 from plumbline.harness.scene import WORLD, Body, Distance, Limits, Revolute, Scene, Spring, Vector3, principal_inertia
 from plumbline.harness.trajectory import State
 from tests.conformance.engines import adapter
@@ -36,7 +36,7 @@ def test_what_hangs_on_a_spring_however_stiff_comes_to_rest_or_creeps_down(
     engine: Adapter, stiffness: float, damping: float
 ) -> None:
     scene = hung(stiffness, damping)
-    run = record(engine, scene, engine.tracks["tuned"].with_dt(DT), 1.0)
+    run = Engine(engine, engine.tracks["tuned"]).record(scene, 1.0, dt=DT)
     z, sag = run.p_WB[:, 0, 2], 2.0 * 9.81 / stiffness
     # Force of the start: h^2 k/m is 87 to 9e4 and h c/m up to 2e5, where 4 and 2 are the bounds of stability.
     assert np.isfinite(z).all()
@@ -63,7 +63,7 @@ def test_what_a_hinge_holds_rests_on_a_stiff_spring_where_the_moments_balance(en
         spring=Spring(stiffness=stiffness, rest=1.0),
     )
     scene = Scene(bodies=(bar,), joints=(pin, line))
-    run = record(engine, scene, engine.tracks["tuned"].with_dt(DT), 1.0)
+    run = Engine(engine, engine.tracks["tuned"]).record(scene, 1.0, dt=DT)
     # m g/2 at the tip stretches the spring; the centre goes half as far down. Beyond it the bar turns by sag squared.
     sag = 3.0 * 9.81 / 2 / stiffness
     assert run.p_WB[-1, 0, 2] == pytest.approx(-sag / 2, rel=1e-3)
@@ -72,7 +72,7 @@ def test_what_a_hinge_holds_rests_on_a_stiff_spring_where_the_moments_balance(en
 
 def test_a_spring_that_the_step_resolves_keeps_its_energy(engine: Adapter) -> None:
     scene = replace(hung(40.0, 0.0, v_WB=(0.3, 0.0, 0.5)), gravity=(0.0, 0.0, 0.0))
-    run = record(engine, scene, engine.tracks["tuned"].with_dt(DT), 4.0)
+    run = Engine(engine, engine.tracks["tuned"]).record(scene, 4.0, dt=DT)
     length = np.linalg.norm(run.p_WB[:, 0] - TOP, axis=1)
     energy = np.sum(run.v_WB[:, 0] ** 2, axis=1) + 20.0 * (length - 1.0) ** 2
     # Symplectic Euler: the energy swings by about w h / 2 = .01 of itself and does not drift.
@@ -94,7 +94,9 @@ def test_two_bodies_on_three_springs_move_as_on_an_engine_that_has_them(engine: 
     mujoco = adapter("mujoco")
     ends = []
     for one in (engine, mujoco):
-        with built(one, scene, replace(one.tracks["default" if one is mujoco else "tuned"].with_dt(5e-4))) as simulation:
+        with Engine(one, replace(one.tracks["default" if one is mujoco else "tuned"].with_dt(5e-4))).built(
+            scene, dt=None
+        ) as simulation:
             simulation.step(600)
             ends.append(state_of(simulation, scene))
     # Both are semi-implicit Euler of the same forces but for MuJoCo's implicit damper: h c/m = 5e-4 of 2 m/s.

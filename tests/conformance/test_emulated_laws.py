@@ -16,7 +16,7 @@ import pytest
 from plumbline.harness.adapter import Adapter, Advantage, Emulation, Feature, Settings, Simulation
 from plumbline.harness.adapter.features import features_of
 from plumbline.harness.conformance.checks.contract.features import _SCENES, _slide
-from plumbline.harness.conformance.room import built
+from plumbline.harness.conformance.engine import Engine
 from plumbline.harness.findings.emulations import made, whose
 from plumbline.harness.scene import Body, Drive, Effect, Limits, Scene, Spring
 from tests.conformance.engines import NAMES, adapter, why_unavailable
@@ -107,7 +107,7 @@ def test_what_an_adapter_does_between_the_steps_is_told_and_nothing_else_is(
 ) -> None:
     if feature not in engine.features:
         pytest.skip("not claimed")
-    with built(engine, PLAIN[feature](), engine.tracks[track]) as simulation:
+    with Engine(engine, engine.tracks[track]).built(PLAIN[feature](), dt=None) as simulation:
         acts = bool(handed_over(engine, simulation))
     told = [one for one in emulated(engine, feature, track) if not one.where and (engine.name, feature) not in IN_BUILDING]
     assert acts == bool(told)
@@ -118,7 +118,7 @@ def test_what_an_adapter_does_between_the_steps_is_told_and_nothing_else_is(
 def test_where_an_adapter_confines_what_it_makes_it_is_right_there_too(
     engine: Adapter, feature: Feature, words: tuple[str, ...], scene: Callable[[], Scene], track: str
 ) -> None:
-    with built(engine, scene(), engine.tracks[track]) as simulation:
+    with Engine(engine, engine.tracks[track]).built(scene(), dt=None) as simulation:
         acts = bool(handed_over(engine, simulation))
     told = emulated(engine, feature, track)
     assert acts == any(not one.where or any(word in one.where for word in words) for one in told)
@@ -129,7 +129,7 @@ def test_mujoco_has_no_coefficient_of_restitution_and_is_given_a_spring() -> Non
     mujoco = pytest.importorskip("mujoco")
     assert not [name for name in dir(mujoco.MjModel) if "restit" in name.lower() or "bounc" in name.lower()]
     engine = adapter("mujoco")
-    with built(engine, _SCENES[Feature.RESTITUTION](), engine.tracks["tuned"]) as simulation:
+    with Engine(engine, engine.tracks["tuned"]).built(_SCENES[Feature.RESTITUTION](), dt=None) as simulation:
         # Negative: stiffness and damping told directly ("Modeling", solver parameters).
         assert (simulation._m.geom_solref.min(axis=0) < 0).all()  # type: ignore[attr-defined]
 
@@ -138,13 +138,13 @@ def test_mujoco_has_no_coefficient_of_restitution_and_is_given_a_spring() -> Non
 def test_a_kinematic_body_of_mujoco_is_a_free_one_that_nothing_can_push() -> None:
     pytest.importorskip("mujoco")
     engine = adapter("mujoco")
-    with built(engine, _SCENES[Feature.KINEMATIC](), engine.tracks["tuned"]) as simulation:
+    with Engine(engine, engine.tracks["tuned"]).built(_SCENES[Feature.KINEMATIC](), dt=None) as simulation:
         assert simulation._m.dof_armature.max() >= 1e12  # type: ignore[attr-defined]
 
 
 def test_an_engine_tells_how_it_closes_a_loop_by_a_hinge(engine: Adapter) -> None:
     """The vendors' own constraints of a hinge are not used: each is two points, which is told."""
-    with built(engine, _SCENES[Feature.CLOSED_LOOP](), engine.tracks["tuned"]) as simulation:
+    with Engine(engine, engine.tracks["tuned"]).built(_SCENES[Feature.CLOSED_LOOP](), dt=None) as simulation:
         if engine.name == "mujoco":
             points = simulation._m.neq  # type: ignore[attr-defined]
         elif engine.name == "bullet":

@@ -6,7 +6,7 @@ import pytest
 
 from plumbline.harness.adapter import Unsupported
 from plumbline.harness.adapter.features import features_of
-from plumbline.harness.conformance.room import final
+from plumbline.harness.conformance.engine import Engine
 from plumbline.harness.scene import WORLD, Body, Drive, Prismatic, Scene
 from plumbline.harness.scene.file import dump_json, dump_toml, parse
 from tests.conformance.engines import adapter
@@ -23,7 +23,7 @@ def pushed(**drive: float) -> Scene:
 @pytest.mark.parametrize("track", ["default", "tuned"])
 def test_a_motor_that_bears_the_weight_holds_what_it_bears(engine: str, track: str) -> None:
     one = adapter(engine)
-    end = final(one, pushed(feedforward=2.0 * 9.81), one.tracks[track].with_dt(1 / 240), 1.0)
+    end = Engine(one, one.tracks[track]).final(pushed(feedforward=2.0 * 9.81), 1.0, dt=1 / 240)
     # A force of one part in 2^52 too little lets it fall by 1e-15 m in a second.
     assert end.p_WB[0] == pytest.approx((0.0, 0.0, 0.0), abs=1e-13)
     assert end.v_WB[0] == pytest.approx((0.0, 0.0, 0.0), abs=1e-13)
@@ -35,7 +35,7 @@ def test_a_motor_that_holds_a_velocity_takes_no_torque_beside(engine: str, optio
     settings = replace(one.tracks["tuned"], options={**one.tracks["tuned"].options, "drives": option})
     with pytest.raises(Unsupported, match="'slide': feedforward"):
         one.build(pushed(stiffness=10.0, feedforward=1.0), settings)
-    assert final(one, pushed(feedforward=2.0 * 9.81), settings.with_dt(1e-3), 0.1).p_WB[0] == pytest.approx(
+    assert Engine(one, settings).final(pushed(feedforward=2.0 * 9.81), 0.1, dt=1e-3).p_WB[0] == pytest.approx(
         (0, 0, 0), abs=1e-13
     )
 

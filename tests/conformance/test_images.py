@@ -8,7 +8,7 @@ import pytest
 
 from plumbline.adapters.reference import ADAPTER as REFERENCE
 from plumbline.harness.adapter import Unsupported
-from plumbline.harness.conformance.scenes import rotation
+from plumbline.harness.conformance.frames import rotation
 from plumbline.harness.scene import (
     Appearance,
     Body,

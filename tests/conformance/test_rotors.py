@@ -8,7 +8,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from plumbline.harness.adapter import Adapter, Unsupported
-from plumbline.harness.conformance.room import final
+from plumbline.harness.conformance.engine import Engine
 from plumbline.harness.scene import WORLD, Body, Drive, Limits, PlacedShape, Plane, Revolute, Scene, Sphere, Spring, Surface
 from plumbline.harness.trajectory import Floats
 from tests.conformance.engines import adapter
@@ -60,7 +60,7 @@ def truth(scene: Scene) -> Floats:
 
 def error(one: Adapter, scene: Scene, right: Floats, dt: float) -> float:
     """How far the worst link is off at the end [m]."""
-    return float(np.linalg.norm(final(one, scene, one.tracks["tuned"].with_dt(dt), DURATION).p_WB - right, axis=1).max())
+    return float(np.linalg.norm(Engine(one, one.tracks["tuned"]).final(scene, DURATION, dt=dt).p_WB - right, axis=1).max())
 
 
 def test_the_equations_of_motion_are_those_of_an_engine_with_rotors_of_its_own() -> None:
@@ -89,15 +89,15 @@ def test_a_run_ends_where_a_stop_or_a_contact_strikes_a_tree_with_rotors(engine:
         scene = replace(scene, joints=scene.joints[1:])
     joints = (*scene.joints[:-1], replace(scene.joints[-1], limits=Limits(lower=-2.0, upper=0.05)))
     settings = one.tracks["tuned"].with_dt(1 / 1000)
-    assert np.isfinite(final(one, scene, settings, 0.02).p_WB).all()
+    assert np.isfinite(Engine(one, settings).final(scene, 0.02, dt=None).p_WB).all()
     with pytest.raises(Unsupported, match=r"'joint2' at the end of its range.*--drop armature"):
-        final(one, replace(scene, joints=joints), settings, DURATION)
+        Engine(one, settings).final(replace(scene, joints=joints), DURATION, dt=None)
     ball = (PlacedShape(shape=Sphere(radius=0.05)),)
     ground = Body(name="ground", motion="static", p_WB=(0.0, 0.0, -0.06), collision=(PlacedShape(shape=Plane()),))
     bodies = (*scene.bodies[:-1], replace(scene.bodies[-1], collision=ball), ground)
     law = Surface(between=("default", "default"), static_friction=0.5, kinetic_friction=0.5)
     with pytest.raises(Unsupported, match="contact of bodies on joints with rotors"):
-        final(one, replace(scene, bodies=bodies, surfaces=(law,)), settings, DURATION)
+        Engine(one, settings).final(replace(scene, bodies=bodies, surfaces=(law,)), DURATION, dt=None)
 
 
 @pytest.mark.parametrize("engine", ["bullet", "dart"])

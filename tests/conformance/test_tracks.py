@@ -1,6 +1,7 @@
 """Tuned is never worse than default, but where an adapter lists a trade-off: a cheap case of every family, and all ladders.
 
-All cases at their own steps, every knob and the prices belong to the study `dominance`.
+All cases at their own steps, every knob and the prices belong to the study `dominance`. Engines that are installed when they
+are asked for are in no such study: they have all cases at their own steps here (`make test-engines`).
 """
 
 from collections.abc import Mapping, Sequence
@@ -72,29 +73,20 @@ def test_every_trade_off_names_a_case(name: str) -> None:
     assert {case for one in adapter(name).trade_offs for case in one.cases} <= set(CASES)
 
 
-def _run(
-    folder: Path, ladder: bool, cases: Mapping[str, Case] = CASES, names: Sequence[str] = NAMES
-) -> Mapping[str, Sequence[Tracks]]:
-    """Comparisons by engine, of every engine that is there."""
-    engines = {name: adapter(name) for name in names if not why_unavailable(name)}
-    return comparisons(run_both_tracks(folder, cases, engines, ladder), cases)
-
-
-@pytest.fixture(scope="session")
-def own_steps(tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, Sequence[Tracks]]:
-    """The brief part at each case's own time step."""
-    return _run(tmp_path_factory.mktemp("own") / "run", ladder=False, cases={name: CASES[name] for name in BRIEF})
+def _run(folder: Path, ladder: bool, cases: Mapping[str, Case], name: str) -> Sequence[Tracks]:
+    """Comparisons of an engine."""
+    return comparisons(run_both_tracks(folder, cases, {name: adapter(name)}, ladder), cases)[name]
 
 
 @ENGINES
-@pytest.mark.timeout(1200)  # the first of the engines waits for the runs of all
-def test_tuned_is_never_worse_than_default_but_where_the_adapter_says_why(
-    name: str, own_steps: Mapping[str, Sequence[Tracks]]
-) -> None:
+@pytest.mark.timeout(3600)
+def test_tuned_is_never_worse_than_default_but_where_the_adapter_says_why(name: str, tmp_path: Path) -> None:
+    """At each case's own step."""
     if why_unavailable(name):
         pytest.skip(why_unavailable(name))
-    compared = own_steps[name]
-    said = [case for case in listed(adapter(name), "own step") if case in BRIEF]
+    cases = CASES if adapter(name).extra else {case: CASES[case] for case in BRIEF}
+    compared = _run(tmp_path / "run", False, cases, name)
+    said = [case for case in listed(adapter(name), "own step") if case in cases]
     found = disagreements({one.case: str(one) for one in compared if one.worse}, said)
     assert not found, "\n".join(found)
 
@@ -112,13 +104,13 @@ def test_over_the_ladder_tuned_is_no_worse_on_the_whole_but_where_the_adapter_sa
     """
     if why_unavailable(name):
         pytest.skip(why_unavailable(name))
-    ladders, worse = dict(_run(tmp_path / "run", ladder=True, names=(name,))), {}
+    ladders, worse = list(_run(tmp_path / "run", True, CASES, name)), dict[str, str]()
     drawn = CASES[STIRRED]
     for seed in range(1, DRAWS):
         other = replace(drawn, parameters={**drawn.parameters, "seed": seed})
-        ladders[name] = [*ladders[name], *_run(tmp_path / str(seed), True, {STIRRED: other}, (name,))[name]]
+        ladders += _run(tmp_path / str(seed), True, {STIRRED: other}, name)
     for case in CASES:
-        steps = [one for one in ladders[name] if one.case == case]
+        steps = [one for one in ladders if one.case == case]
         assert len(steps) == len(CASES[case].ladder) * (DRAWS if case == STIRRED else 1)
         if (mean := over_the_ladder(steps)) > ALIKE:
             worse[case] = f"{case}: {mean:.3g} times in the mean; " + "; ".join(map(str, steps))

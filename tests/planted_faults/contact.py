@@ -7,7 +7,7 @@ from itertools import combinations
 import numpy as np
 
 from plumbline.harness.adapter import Feature
-from plumbline.harness.conformance.scenes import rotation
+from plumbline.harness.conformance.frames import rotation
 from plumbline.harness.scene import (
     Body,
     Box,

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from plumbline.harness.adapter import Adapter, Feature
-from plumbline.harness.conformance.scenes import rotation
+from plumbline.harness.conformance.frames import rotation
 from plumbline.harness.scene import Body, Effect, Scene, Vector3, axis_angle, multiply, principal_inertia
 from plumbline.harness.trajectory import Floats, State
 from tests.planted_faults.fault import SLIDES, fault

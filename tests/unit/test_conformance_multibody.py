@@ -6,9 +6,9 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
+from plumbline.harness.conformance.engine import ROUNDING
 from plumbline.harness.conformance.multibody import Multibody, matrix
 from plumbline.harness.conformance.pairs import DURATION, NOUNS, RUNGE_KUTTA, STEP, WRENCHES, Pair, PairPlan, all_pairs, task
-from plumbline.harness.conformance.room import ROUNDING
 from plumbline.harness.scene import WORLD, Ball, Body, Distance, Limits, Prismatic, Revolute, Scene
 
 PAIRS = [pair for _, pairs in all_pairs() for pair in pairs if not any(noun.name == "prescribed body" for noun in pair.nouns)]

@@ -84,7 +84,7 @@ BAD: list[tuple[Callable[[], object], str]] = [
     (_mesh(SLIVER, [(0, 1, 2)]), "triangle mesh: face 0 of vertices [0, 1, 2] has no area"),
     (lambda: P("ball"), "placed shape: shape 'ball', expected one of Sphere, Box"),  # type: ignore[arg-type]
     (lambda: P(engine.Sphere(1), p_BS=(0, NAN, 0)), "placed shape: p_BS"),
-    (lambda: P(engine.Sphere(1), q_BS=(0, 0, 0, 0)), "placed shape: q_BS (0, 0, 0, 0) has no direction"),
+    (lambda: P(engine.Sphere(1), q_BS=(0, 0, 0, 0)), "placed shape: q_BS [0.0, 0.0, 0.0, 0.0] has no direction"),
     (lambda: engine.Surface(static_friction=NAN), "surface: static_friction nan"),
     (lambda: engine.Surface(kinetic_friction=0.5), "surface: static_friction 0.0 lies below kinetic_friction 0.5"),
     (lambda: engine.Surface(restitution=1.1), "surface: restitution 1.1"),

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from plumbline.harness.adapter.joints import turned_back
-from plumbline.harness.conformance.room import built
+from plumbline.harness.conformance.engine import Engine
 from plumbline.harness.scene import WORLD, Body, Drive, Limits, Prismatic, Revolute, Scene, axis_angle
 from plumbline.harness.trajectory import Floats, State
 from plumbline.harness.trajectory.joint_states import JointStates
@@ -22,7 +22,7 @@ MOMENT = 9.81 * 0.4
 def told(engine: str, scene: Scene, steps: int = 20) -> Floats:
     """The reactions after some steps of a millisecond, of which the engine knew that it will be asked."""
     one = adapter(engine)
-    with built(one, scene, one.tracks["tuned"].with_dt(1e-3)) as simulation:
+    with Engine(one, one.tracks["tuned"]).built(scene, dt=1e-3) as simulation:
         simulation.joint_states()  # type: ignore[attr-defined]
         simulation.step(steps)
         states: JointStates = simulation.joint_states()  # type: ignore[attr-defined]
@@ -78,7 +78,7 @@ def test_a_slide_across_gravity_carries_weight_and_moment_about_the_child(engine
 @pytest.mark.parametrize("engine", ["bullet", "dart", "reference"])
 def test_before_the_first_step_nothing_is_told_of_a_step(engine: str) -> None:
     one, scene = adapter(engine), Scene(bodies=(BOB,), joints=(ARM,))
-    with built(one, scene, one.tracks["tuned"].with_dt(1e-3)) as simulation:
+    with Engine(one, one.tracks["tuned"]).built(scene, dt=1e-3) as simulation:
         assert np.isnan(simulation.joint_states().reaction).all()  # type: ignore[attr-defined]
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from plumbline.harness.adapter.joints import joints_of
 from plumbline.harness.adapter.what_comes_out import Answering, BrokenContract
-from plumbline.harness.conformance.room import built, record
+from plumbline.harness.conformance.engine import Engine
 from plumbline.harness.scene import WORLD, Ball, Body, Distance, Prismatic, Revolute, Scene, Spring, axis_angle
 from plumbline.harness.trajectory import State
 from plumbline.harness.trajectory.joint_states import JointStates, joint_states
@@ -66,7 +66,7 @@ def test_an_angle_is_told_on_the_branch_that_is_named() -> None:
 def test_the_harness_reads_what_the_engine_says_and_fills_in_the_rest_by_the_poses(engine: str) -> None:
     scene = replace(SCENE, joints=(PIN, replace(SLIDE, spring=Spring(stiffness=100.0, rest=-1.0)), ROD))
     one = adapter(engine)
-    with built(one, scene, one.tracks["tuned"].with_dt(1e-3)) as simulation:
+    with Engine(one, one.tracks["tuned"]).built(scene, dt=1e-3) as simulation:
         simulation.step(50)
         answering = Answering(simulation, scene)
         read = joints_of(answering, scene)  # type: ignore[arg-type]
@@ -83,8 +83,8 @@ def test_the_harness_reads_what_the_engine_says_and_fills_in_the_rest_by_the_pos
 def test_reading_the_joints_leaves_the_motion_as_it_is(engine: str) -> None:
     one = adapter(engine)
     scene = replace(SCENE, joints=(PIN, replace(SLIDE, spring=Spring(stiffness=100.0, rest=-1.0))))
-    unread = record(one, scene, one.tracks["tuned"].with_dt(1e-3), 0.05)
-    with built(one, scene, one.tracks["tuned"].with_dt(1e-3)) as simulation:
+    unread = Engine(one, one.tracks["tuned"]).record(scene, 0.05, dt=1e-3)
+    with Engine(one, one.tracks["tuned"]).built(scene, dt=1e-3) as simulation:
         for _ in range(50):
             simulation.step()
             joints_of(simulation, scene)

@@ -8,7 +8,7 @@ import pytest
 
 from plumbline.harness.adapter import Unsupported
 from plumbline.harness.adapter.mass_points import with_inertia
-from plumbline.harness.conformance.room import built
+from plumbline.harness.conformance.engine import Engine
 from plumbline.harness.intake.error import RobotError
 from plumbline.harness.scene import (
     WORLD,
@@ -126,7 +126,7 @@ def test_a_torque_on_a_mass_point_is_refused_and_a_force_is_not(engine: str) -> 
     pytest.importorskip({"reference": "engine", "bullet": "pybullet", "dart": "dartpy"}.get(engine, engine))
     adapter = plugins.adapter(engine)
     push, twist = np.array([[1.0, 0.0, 0.0]]), np.array([[0.0, 1.0, 0.0]])
-    with built(adapter, Scene(bodies=(POINT,)), adapter.tracks["default"].with_dt(1e-3)) as simulation:
+    with Engine(adapter, adapter.tracks["default"]).built(Scene(bodies=(POINT,)), dt=1e-3) as simulation:
         simulation.wrench(push, np.zeros((1, 3)))
         with pytest.raises(ValueError, match="body 0, a mass point"):
             simulation.wrench(push, twist)

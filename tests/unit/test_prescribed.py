@@ -13,7 +13,7 @@ from plumbline.harness.adapter.features import features_of
 from plumbline.harness.case.commands import acting, velocities_of
 from plumbline.harness.case.forces import Control, Controlled
 from plumbline.harness.case.symmetries import in_motion, moved, scaled, turned
-from plumbline.harness.conformance.room import built
+from plumbline.harness.conformance.engine import Engine
 from plumbline.harness.metric import NotMeasurable
 from plumbline.harness.metrics.conservation import energy_change, momentum_drift_max
 from plumbline.harness.scene import (
@@ -113,7 +113,7 @@ def test_a_scene_and_its_case_do_not_both_lead_bodies() -> None:
 @pytest.mark.parametrize("name", ["mujoco", "bullet", "dart", "reference"])
 def test_only_bodies_that_are_led_are_told_and_only_finite_velocities(name: str) -> None:
     one = adapter(name)
-    with built(one, scene(), one.tracks["tuned"]) as simulation:
+    with Engine(one, one.tracks["tuned"]).built(scene(), dt=None) as simulation:
         for velocities, said in (
             ({"load": ((0.0,) * 3, (0.0,) * 3)}, "body 'load' is not prescribed, expected one of table"),
             ({"table": ((math.nan, 0.0, 0.0), (0.0,) * 3)}, "finite"),
@@ -128,7 +128,7 @@ def test_a_scene_told_at_another_place_leads_its_bodies_there(tell: object) -> N
     assert callable(tell)
     told, one, ends = scene(replace(ARM, shifts=SHAKER.shifts)), adapter("reference"), []
     for other in (told, tell(told).scene, in_motion(told, (0.3, 0.0, 0.0)).scene):
-        with built(one, other, one.tracks["tuned"].with_dt(0.01)) as simulation:
+        with Engine(one, one.tracks["tuned"]).built(other, dt=0.01) as simulation:
             control = acting(other)
             assert control is not None
             Controlled(simulation, control, 0.01, 2).step(30)
@@ -193,7 +193,7 @@ def test_a_box_on_a_conveyor_is_taken_along() -> None:
                 Body(name="load", p_WB=(0, 0, 9)),
             )
         )
-        with built(one, told, one.tracks["tuned"].with_dt(0.01)) as simulation:
+        with Engine(one, one.tracks["tuned"]).built(told, dt=0.01) as simulation:
             control = acting(told)
             led = simulation if control is None else Controlled(simulation, control, 0.01, 2)
             led.step(50)
@@ -231,7 +231,7 @@ def hung(*, turning: bool, begun: bool) -> Scene:
 def test_what_hangs_on_a_body_that_moves_at_once_starts_with_it(name: str, turning: bool) -> None:
     one = adapter(name)
     settings = replace(one.tracks["tuned"], dt=1e-3)
-    with built(one, hung(turning=turning, begun=True), settings) as simulation:
+    with Engine(one, settings).built(hung(turning=turning, begun=True), dt=None) as simulation:
         start = State.empty(2)
         simulation.state(start)
         assert start.v_WB[1] == pytest.approx((-0.5 * RATE if turning else RATE, 0.0, 0.0), abs=1e-9)
@@ -242,7 +242,7 @@ def test_what_hangs_on_a_body_that_moves_at_once_starts_with_it(name: str, turni
     # Nothing pulls at once: within 20 ms the table's acceleration, 4e-3 m/s2 and below a metre per second squared of gravity on
     # a pendulum that has swung by 0.013 rad, change the speed by less than 20 ms times 1 m/s2.
     assert after.v_WB[1] == pytest.approx(start.v_WB[1], abs=0.02)
-    with pytest.raises(Unsupported), built(one, hung(turning=turning, begun=False), settings):
+    with pytest.raises(Unsupported), Engine(one, settings).built(hung(turning=turning, begun=False), dt=None):
         pass
 
 

@@ -11,6 +11,7 @@ from plumbline.engine.maths.rows import Floats, Ints, Mat, Vec, load3, load9
 from plumbline.engine.maths.vec import cross, dot, norm, sub
 from plumbline.engine.memory import arena as at
 from plumbline.engine.memory.tables import Shapes
+from plumbline.engine.narrow.solid import column
 
 PARALLEL = 1e-6
 """Length of the cross product of two edges [1] below which it is left out: the face normals stand for parallel edges."""
@@ -30,19 +31,9 @@ def half_extents(shape: Floats, shape_kind: Ints, s: int) -> Vec:
 
 
 @kernel
-def axis_of(m: Mat, k: int) -> Vec:
-    """Column k of a rotation matrix."""
-    if k == 0:
-        return m[0], m[3], m[6]
-    if k == 1:
-        return m[1], m[4], m[7]
-    return m[2], m[5], m[8]
-
-
-@kernel
 def reach_along(m: Mat, h: Vec, n: Vec) -> float:
     """Half the width [m] of a box along n, times the length of n."""
-    return h[0] * abs(dot(axis_of(m, 0), n)) + h[1] * abs(dot(axis_of(m, 1), n)) + h[2] * abs(dot(axis_of(m, 2), n))
+    return h[0] * abs(dot(column(m, 0), n)) + h[1] * abs(dot(column(m, 1), n)) + h[2] * abs(dot(column(m, 2), n))
 
 
 @kernel
@@ -52,15 +43,15 @@ def boxes_apart(d: Vec, ma: Mat, ha: Vec, mb: Mat, hb: Vec, grow: float) -> bool
     Args: d: from the centre of A to that of B [m]; ma, mb: axes as columns; ha, hb: half extents [m].
     """
     for k in range(3):
-        n = axis_of(ma, k)
+        n = column(ma, k)
         if abs(dot(d, n)) > reach_along(ma, ha, n) + reach_along(mb, hb, n) + grow:
             return True
-        n = axis_of(mb, k)
+        n = column(mb, k)
         if abs(dot(d, n)) > reach_along(ma, ha, n) + reach_along(mb, hb, n) + grow:
             return True
     for i in range(3):
         for j in range(3):
-            n = cross(axis_of(ma, i), axis_of(mb, j))
+            n = cross(column(ma, i), column(mb, j))
             length = norm(n)
             if length > PARALLEL and abs(dot(d, n)) > reach_along(ma, ha, n) + reach_along(mb, hb, n) + grow * length:
                 return True
@@ -70,7 +61,7 @@ def boxes_apart(d: Vec, ma: Mat, ha: Vec, mb: Mat, hb: Vec, grow: float) -> bool
 @kernel
 def width_along(shapes: Shapes, plane: int, other: int) -> float:
     """How far [m] the box about a shape reaches against a plane's normal."""
-    normal = axis_of(load9(shapes.pose, plane, 3), 2)
+    normal = column(load9(shapes.pose, plane, 3), 2)
     return reach_along(load9(shapes.pose, other, 3), half_extents(shapes.shape, shapes.kind, other), normal)
 
 

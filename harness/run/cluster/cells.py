@@ -40,13 +40,6 @@ class Answered:
     files: Mapping[str, bytes]
 
 
-@dataclass(frozen=True, slots=True)
-class Timed:
-    """A finished group. Terms: timings: in plain values, with the machine that it was clocked on."""
-
-    timings: tuple[Mapping[str, Any], ...]
-
-
 _asked_first = threading.Lock()
 """Held while a cell is looked at, so that threads do not all make what is made once."""
 _clock = threading.Lock()
@@ -115,14 +108,17 @@ def answer_cell(trial: Trial, foreseen: int = 0, modules: Sequence[str] = (), ru
         shutil.rmtree(folder)
 
 
-def clock_together(trials: tuple[Trial, ...], seed: int, modules: Sequence[str] = ()) -> Timed:
-    """The timing runs of one group of trials, side by side on this machine. Args: modules: as above. Raises: OtherPlumbline."""
+def clock_together(trials: tuple[Trial, ...], seed: int, modules: Sequence[str] = ()) -> list[dict[str, Any]]:
+    """The timing runs of one group of trials, side by side on this machine, in plain values, each with the machine.
+
+    Args: modules: as above. Raises: OtherPlumbline.
+    """
     with _clock:
         for trial in trials:
             _agree(trial)
         expect(modules)
         timings = [replace(t, clocked_on=machine_digest(here())) for t in clock_group(trials, _scratch(), random.Random(seed))]
-        return Timed(tuple(map(plain, timings)))
+        return [*map(plain, timings)]
 
 
 def _taken(folder: Path, run: str) -> dict[str, bytes]:

@@ -19,7 +19,7 @@ from typing import Any
 
 from plumbline.harness.intake.error import PlumblineError
 from plumbline.harness.intake.safe_text import quoted
-from plumbline.harness.run.cluster.cells import KEPT, Answered, OtherPlumbline, Timed, answer_cell, clock_together, here
+from plumbline.harness.run.cluster.cells import KEPT, Answered, OtherPlumbline, answer_cell, clock_together, here
 from plumbline.harness.run.interrupt import stop_if_asked
 from plumbline.harness.store import disk
 from plumbline.harness.store.journal import StoreError
@@ -216,8 +216,8 @@ class Workplace:
                 for future in self._next(ended, folder):
                     if future in under_way and future.status == "finished":
                         with self._reaching(folder):
-                            timed: Timed = future.result()
-                        yield from (from_plain(Timing, each) for each in timed.timings)
+                            timings: list[dict[str, Any]] = future.result()
+                        yield from (from_plain(Timing, each) for each in timings)
                         del under_way[future]
                     elif future in under_way and future.status == "error":
                         raise _trouble(future)

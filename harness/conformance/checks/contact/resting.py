@@ -6,42 +6,38 @@ box on a box says nothing of a capsule on a cylinder. Each pair is a scene of it
 An ellipsoid that rocks takes the time that its curvature at the lowest point says.
 """
 
-from functools import partial
 from itertools import product
 from math import cos, pi, sin, sqrt
 
 import numpy as np
 
-from plumbline.harness.adapter import Adapter, Feature, Settings, Unsupported
-from plumbline.harness.conformance.check import CheckResult, NotApplicable, check, judge, near
+from plumbline.harness.adapter import Feature
+from plumbline.harness.conformance.check import Comparisons, check, near, refusable
 from plumbline.harness.conformance.checks.contract.features import SIDES
-from plumbline.harness.conformance.room import COARSE, FINE, final, record
-from plumbline.harness.conformance.scenes import G, ground, on_ground, static
-from plumbline.harness.scene import (
-    Body,
+from plumbline.harness.conformance.engine import COARSE, FINE, Engine
+from plumbline.harness.conformance.frames import UPRIGHT, X, Y, Z
+from plumbline.harness.conformance.scenes import G, ground, on_ground, shaped, static
+from plumbline.harness.scene.body import PlacedShape
+from plumbline.harness.scene.motion import axis_angle, multiply
+from plumbline.harness.scene.scene import Scene
+from plumbline.harness.scene.shape import (
     Box,
     Capsule,
     ConvexHull,
     Cylinder,
     Ellipsoid,
-    Matrix3,
-    PlacedShape,
     Plane,
-    Quaternion,
-    Scene,
     Shape,
     Sphere,
     TriangleMesh,
-    Vector3,
-    axis_angle,
     box_inertia,
     capsule_inertia,
     cylinder_inertia,
     ellipsoid_inertia,
-    multiply,
     principal_inertia,
     sphere_inertia,
 )
+from plumbline.harness.scene.values import Matrix3, Quaternion, Vector3
 
 DURATION = 3.0
 HEIGHT = 0.1
@@ -55,8 +51,7 @@ PLACE = (0.13, 0.07)
 """Off the middle of the support, and turned by `YAW` [rad]: corners, axes and edges of a mesh lie nowhere under the mover."""
 YAW = 0.3
 
-_UPRIGHT: Quaternion = (1.0, 0.0, 0.0, 0.0)
-_LYING: Quaternion = axis_angle((1.0, 0.0, 0.0), pi / 2)
+_LYING: Quaternion = axis_angle(X, pi / 2)
 
 
 def _corners(half: Vector3) -> tuple[Vector3, ...]:
@@ -77,71 +72,48 @@ SUPPORTS: dict[str, tuple[Feature, Shape, float]] = {
 }
 """What bears, by name: the feature, the shape, and how far its top lies above its middle [m]."""
 
-MOVERS: dict[str, tuple[Feature, tuple[PlacedShape, ...], Matrix3, Quaternion]] = {
-    "sphere": (Feature.SPHERE, (PlacedShape(shape=Sphere(radius=HEIGHT)),), sphere_inertia(1.0, HEIGHT), _UPRIGHT),
-    "box": (Feature.BOX, (PlacedShape(shape=Box(half_extents=_CUBE)),), box_inertia(1.0, _CUBE), _UPRIGHT),
+MOVERS: dict[str, tuple[Feature, tuple[Shape | PlacedShape, ...], Matrix3, Quaternion]] = {
+    "sphere": (Feature.SPHERE, (Sphere(radius=HEIGHT),), sphere_inertia(1.0, HEIGHT), UPRIGHT),
+    "box": (Feature.BOX, (Box(half_extents=_CUBE),), box_inertia(1.0, _CUBE), UPRIGHT),
     "lying_capsule": (
-        Feature.CAPSULE,
-        (PlacedShape(shape=Capsule(radius=HEIGHT, half_length=REACH)),),
-        capsule_inertia(1.0, HEIGHT, REACH),
-        _LYING,
+        Feature.CAPSULE, (Capsule(radius=HEIGHT, half_length=REACH),), capsule_inertia(1.0, HEIGHT, REACH), _LYING
     ),
     "lying_cylinder": (
-        Feature.CYLINDER,
-        (PlacedShape(shape=Cylinder(radius=HEIGHT, half_length=REACH)),),
-        cylinder_inertia(1.0, HEIGHT, REACH),
-        _LYING,
+        Feature.CYLINDER, (Cylinder(radius=HEIGHT, half_length=REACH),), cylinder_inertia(1.0, HEIGHT, REACH), _LYING
     ),
-    "ellipsoid": (
-        Feature.ELLIPSOID,
-        (PlacedShape(shape=Ellipsoid(semi_axes=_FLAT)),),
-        ellipsoid_inertia(1.0, _FLAT),
-        _UPRIGHT,
-    ),
-    "hull": (
-        Feature.CONVEX_HULL,
-        (PlacedShape(shape=ConvexHull(vertices=_corners(_CUBE))),),
-        box_inertia(1.0, _CUBE),
-        _UPRIGHT,
-    ),
+    "ellipsoid": (Feature.ELLIPSOID, (Ellipsoid(semi_axes=_FLAT),), ellipsoid_inertia(1.0, _FLAT), UPRIGHT),
+    "hull": (Feature.CONVEX_HULL, (ConvexHull(vertices=_corners(_CUBE)),), box_inertia(1.0, _CUBE), UPRIGHT),
     "tripod": (
-        Feature.COMPOUND | Feature.SPHERE,
-        tuple(PlacedShape(shape=Sphere(radius=HEIGHT), p_BS=foot) for foot in _TRIPOD),
-        principal_inertia(0.015, 0.015, 0.025),
-        _UPRIGHT,
+        Feature.COMPOUND | Feature.SPHERE, tuple(PlacedShape(shape=Sphere(radius=HEIGHT), p_BS=foot) for foot in _TRIPOD),
+        principal_inertia(0.015, 0.015, 0.025), UPRIGHT,
     ),
-}
+}  # fmt: skip
 """What lies on it, by name: the features, the shapes, the inertia of 1 kg [kg m2], and how it is turned to lie."""
 
 
-def _rests(support: str, mover: str, adapter: Adapter, settings: Settings) -> CheckResult:
-    """Laid down on its support without a gap, a body of 1 kg stays at its height; or the engine refuses the pair."""
-    _, bearing, top = SUPPORTS[support]
-    _, shapes, inertia, q_WB = MOVERS[mover]
-    body = Body(
-        name="mover",
-        inertia=inertia,
-        collision=shapes,
-        material="block",
-        p_WB=(*PLACE, HEIGHT),
-        q_WB=multiply(axis_angle((0.0, 0.0, 1.0), YAW), q_WB),
-    )
-    scene = Scene(bodies=(static("ground", bearing, p=(0.0, 0.0, -top)), body), surfaces=(ground(0.8),))
-    try:
-        end = final(adapter, scene, settings.with_dt(COARSE), DURATION)
-    except Unsupported as refusal:
-        raise NotApplicable(f"refused: {refusal}") from refusal
-    away = float(np.hypot(end.p_WB[1, 0] - PLACE[0], end.p_WB[1, 1] - PLACE[1]))
-    because = f"contacts give way by less than 3 mm; it moved aside by {1e3 * away:.3g} mm"
-    return judge(near(f"height of its centre after {DURATION:g} s [m]", end.p_WB[1, 2], HEIGHT, GIVES, because))
+def _define(support: str, mover: str) -> None:
+    bears, bearing, top = SUPPORTS[support]
+    lies, shapes, inertia, q_WB = MOVERS[mover]
 
-
-for support, mover in product(SUPPORTS, MOVERS):
-    check(
+    @check(
         f"Does a {mover.replace('_', ' ')} rest on a {support} at its height, or is the pair refused?",
-        SUPPORTS[support][0] | MOVERS[mover][0],
+        bears | lies,
         name=f"{mover}_rests_on_{support}",
-    )(partial(_rests, support, mover))
+    )
+    def rests(engine: Engine) -> Comparisons:
+        """Laid down on its support without a gap, a body of 1 kg stays at its height; or the engine refuses the pair."""
+        turned = multiply(axis_angle(Z, YAW), q_WB)
+        body = shaped("mover", *shapes, inertia=inertia, p_WB=(*PLACE, HEIGHT), q_WB=turned)
+        scene = Scene(bodies=(static("ground", bearing, p=(0.0, 0.0, -top)), body), surfaces=(ground(0.8),))
+        with refusable():
+            end = engine.final(scene, DURATION, COARSE)
+        away = float(np.hypot(*(end.p_WB[1, :2] - PLACE)))
+        because = f"contacts give way by less than 3 mm; it moved aside by {1e3 * away:.3g} mm"
+        yield near(f"height of its centre after {DURATION:g} s [m]", end.p_WB[1, 2], HEIGHT, GIVES, because)
+
+
+for _support, _mover in product(SUPPORTS, MOVERS):
+    _define(_support, _mover)
 
 
 _AXES = (0.2, 0.15, 0.1)
@@ -160,27 +132,19 @@ def rocking_period(a: float, c: float) -> float:
 
 
 @check("Does an ellipsoid that rocks have the period that its curvature gives it?", Feature.ELLIPSOID)
-def ellipsoid_rocks_by_its_curvature(adapter: Adapter, settings: Settings) -> CheckResult:
+def ellipsoid_rocks_by_its_curvature(engine: Engine) -> Comparisons:
     """Let go at a tilt, it is level four times within two periods, at a quarter and every half of one later."""
     a, _, c = _AXES
     height = sqrt((a * sin(_TILT)) ** 2 + (c * cos(_TILT)) ** 2)
-    body = Body(
-        name="rocker",
-        inertia=ellipsoid_inertia(1.0, _AXES),
-        collision=(PlacedShape(shape=Ellipsoid(semi_axes=_AXES)),),
-        material="block",
-        p_WB=(0.0, 0.0, height),
-        q_WB=axis_angle((0.0, 1.0, 0.0), _TILT),
-    )
+    shape, inertia = Ellipsoid(semi_axes=_AXES), ellipsoid_inertia(1.0, _AXES)
+    body = shaped("rocker", shape, inertia=inertia, p_WB=(0.0, 0.0, height), q_WB=axis_angle(Y, _TILT))
     period = rocking_period(a, c)
-    try:
-        run = record(adapter, on_ground(adapter, body, friction=1.0), settings.with_dt(FINE), 2 * period)
-    except Unsupported as refusal:
-        raise NotApplicable(f"refused: {refusal}") from refusal
+    with refusable():
+        run = engine.record(on_ground(engine, body, friction=1.0), 2 * period)
     w, y = run.q_WB[:, 1, 0], run.q_WB[:, 1, 2]
     tilt = 2 * np.arctan2(y * np.sign(w), np.abs(w))
     falls = np.flatnonzero(tilt[:-1] * tilt[1:] < 0)
     level = run.time[falls] + FINE * tilt[falls] / (tilt[falls] - tilt[falls + 1])
     because = "its tilt and soft contacts change the period by less than a hundredth; facets or another curvature by tenths"
     expected = period * (0.25 + 0.5 * np.arange(4))
-    return judge(near("times at which it is level [s]", level[:4], expected, 0.02 * period, because))
+    yield near("times at which it is level [s]", level[:4], expected, 0.02 * period, because)

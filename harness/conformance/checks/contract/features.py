@@ -4,67 +4,31 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import reduce
 from operator import or_
+from typing import Any
 
 import numpy as np
 
-from plumbline.harness.adapter import Adapter, Feature, Settings, Simulation, Unsupported
+from plumbline.harness.adapter import Feature, Simulation, Unsupported
 from plumbline.harness.adapter.notice import as_notices
-from plumbline.harness.conformance.check import CheckResult, check, judge, that
-from plumbline.harness.conformance.room import built
-from plumbline.harness.conformance.scenes import ball, block, damped, free, ground, static
-from plumbline.harness.scene import (
-    WORLD,
-    Ball,
-    Body,
-    Box,
-    Camera,
-    Capsule,
-    ConvexHull,
-    Coupling,
-    Cylinder,
-    Distance,
-    Distortion,
-    Drive,
-    Effect,
-    Ellipsoid,
-    Fixed,
-    Joint,
-    Limits,
-    MomentArm,
-    PlacedShape,
-    Plane,
-    Prescribed,
-    Prismatic,
-    Revolute,
-    Scene,
-    Shape,
-    Shift,
-    Sinusoid,
-    Sphere,
-    Spring,
-    Surface,
-    Tendon,
-    TriangleMesh,
-    Vector3,
-)
+from plumbline.harness.conformance.check import Comparisons, NotApplicable, firm, said, that
+from plumbline.harness.conformance.engine import Engine
+from plumbline.harness.conformance.frames import ORIGIN, X, Y, Z
+from plumbline.harness.conformance.scenes import ball, block, damped, free, ground, prismatic, revolute, shaped, static, tie
+from plumbline.harness.scene.body import Body, PlacedShape
+from plumbline.harness.scene.joint import WORLD, Ball, Coupling, Drive, Fixed, Joint, Limits, MomentArm, Spring, Tendon
+from plumbline.harness.scene.motion import Prescribed, Shift, Sinusoid
+from plumbline.harness.scene.scene import Effect, Scene, Surface
+from plumbline.harness.scene.sensor import Camera, Distortion
+from plumbline.harness.scene.shape import Box, Capsule, ConvexHull, Cylinder, Ellipsoid, Plane, Shape, Sphere, TriangleMesh
+from plumbline.harness.scene.values import Vector3
 
 CORNERS = tuple((x, y, z) for x in (-0.1, 0.1) for y in (-0.2, 0.2) for z in (-0.3, 0.3))
 """The corners of a box of half extents (.1, .2, .3) m."""
 
 SIDES = (
-    (0, 1, 3),
-    (0, 3, 2),
-    (4, 6, 7),
-    (4, 7, 5),
-    (0, 4, 5),
-    (0, 5, 1),
-    (2, 3, 7),
-    (2, 7, 6),
-    (0, 2, 6),
-    (0, 6, 4),
-    (1, 5, 7),
-    (1, 7, 3),
-)
+    (0, 1, 3), (0, 3, 2), (4, 6, 7), (4, 7, 5), (0, 4, 5), (0, 5, 1),
+    (2, 3, 7), (2, 7, 6), (0, 2, 6), (0, 6, 4), (1, 5, 7), (1, 7, 3),
+)  # fmt: skip
 """The twelve triangles of a box on `CORNERS`, counter-clockwise seen from outside."""
 
 TWO_BLOCKS = (
@@ -83,55 +47,38 @@ def box_mesh(half_extents: Vector3, centre: Vector3) -> tuple[tuple[Vector3, ...
 def _shape(shape: Shape) -> Scene:
     """The shape on a moving body where it may move, above a sphere-free ground of its own kind."""
     if shape.type in {"plane", "triangle_mesh"}:
-        return Scene(bodies=(static("ground", shape), free(p=(0.0, 0.0, 1.0))))
-    return Scene(bodies=(Body(name="body", collision=(PlacedShape(shape=shape),), p_WB=(0.0, 0.0, 1.0)),))
+        return Scene(bodies=(static("ground", shape), free(p=Z)))
+    return Scene(bodies=(shaped("body", shape, p_WB=Z),))
 
 
 def _joint(joint: Joint) -> Scene:
-    return Scene(bodies=(free("body", p=(0.0, 0.0, -1.0)),), joints=(joint,))
+    return Scene(bodies=(free("body", p=_BELOW),), joints=(joint,))
 
 
-def _slide(limits: Limits | None = None, spring: Spring | None = None, drive: Drive | None = None) -> Scene:
-    return _joint(
-        Prismatic(
-            name="j",
-            parent=WORLD,
-            child="body",
-            anchor_W=(0.0, 0.0, -1.0),
-            axis_W=(1.0, 0.0, 0.0),
-            limits=limits,
-            spring=spring,
-            drive=drive,
-        )
-    )
+def _slide(**laws: Any) -> Scene:
+    return _joint(prismatic("j", "body", _BELOW, X, **laws))
 
 
-_RAIL = Prismatic(name="j", parent=WORLD, child="body", anchor_W=(0.0, 0.0, -1.0), axis_W=(1.0, 0.0, 0.0))
+_BELOW: Vector3 = (0.0, 0.0, -1.0)
+_RAIL = prismatic("j", "body", _BELOW, X)
 
 
 def _loop() -> Scene:
     """Four bars, four hinges about y: two cranks on the world and a coupler."""
     bars = (free("left", p=(0.0, 0.0, 0.5)), free("top", p=(0.5, 0.0, 1.0)), free("right", p=(1.0, 0.0, 0.5)))
-    pins = (
-        ("world", "left", (0, 0, 0)),
-        ("left", "top", (0, 0, 1)),
-        ("top", "right", (1, 0, 1)),
-        ("world", "right", (1, 0, 0)),
-    )
-    return Scene(
-        bodies=bars,
-        joints=tuple(Revolute(name=f"{a}-{b}", parent=a, child=b, anchor_W=p, axis_W=(0.0, 1.0, 0.0)) for a, b, p in pins),
-    )
+    pins = (("world", "left", ORIGIN), ("left", "top", Z), ("top", "right", (1, 0, 1)), ("world", "right", X))
+    return Scene(bodies=bars, joints=tuple(revolute(f"{a}-{b}", b, p, Y, parent=a) for a, b, p in pins))
 
 
-_TOUCHING = ("ground", "block")
+def _surface(**law: float) -> Scene:
+    base = static("ground", Box(half_extents=(2.0, 2.0, 0.5)), p=(0.0, 0.0, -0.5))
+    return Scene(bodies=(base, block()), surfaces=(Surface(between=("ground", "block"), **law),))
 
 
-def _surface(law: Surface) -> Scene:
-    return Scene(
-        bodies=(static("ground", Box(half_extents=(2.0, 2.0, 0.5)), p=(0.0, 0.0, -0.5)), block()),
-        surfaces=(law,),
-    )
+def _led(name: str, **fields: Any) -> Scene:
+    """A plate that is moved, and a body above it."""
+    plate = shaped(name, Box(half_extents=(1.0, 1.0, 0.1)), motion="kinematic", material="ground", **fields)
+    return Scene(bodies=(plate, free(p=Z)))
 
 
 def _no_rule() -> Scene:
@@ -157,76 +104,31 @@ _SCENES: Mapping[Feature, Callable[[], Scene]] = {
     Feature.CONVEX_HULL: lambda: _shape(ConvexHull(vertices=CORNERS)),
     Feature.TRIANGLE_MESH: lambda: _shape(TriangleMesh(vertices=CORNERS, faces=SIDES)),
     Feature.MOVING_MESH: lambda: Scene(
-        bodies=(
-            static("ground", Plane()),
-            Body(
-                name="body",
-                collision=(PlacedShape(shape=TriangleMesh(vertices=TWO_BLOCKS[0], faces=TWO_BLOCKS[1])),),
-                material="block",
-                p_WB=(0.0, 0.0, 1.0),
-            ),
-        ),
+        bodies=(static("ground", Plane()), shaped("body", TriangleMesh(vertices=TWO_BLOCKS[0], faces=TWO_BLOCKS[1]), p_WB=Z)),
         surfaces=(ground(),),
     ),
     Feature.COMPOUND: lambda: Scene(
-        bodies=(
-            Body(
-                name="body",
-                collision=tuple(PlacedShape(shape=Sphere(radius=0.1), p_BS=(x, 0.0, 0.0)) for x in (-0.2, 0.2)),
-            ),
-        )
+        bodies=(shaped("body", *(PlacedShape(shape=Sphere(radius=0.1), p_BS=(x, 0.0, 0.0)) for x in (-0.2, 0.2))),)
     ),
     Feature.FULL_INERTIA: lambda: Scene(
         bodies=(Body(name="body", inertia=((0.3, 0.05, 0.02), (0.05, 0.4, 0.03), (0.02, 0.03, 0.5))),)
     ),
-    Feature.KINEMATIC: lambda: Scene(
-        bodies=(
-            Body(
-                name="belt",
-                motion="kinematic",
-                v_WB=(1.0, 0.0, 0.0),
-                collision=(PlacedShape(shape=Box(half_extents=(1.0, 1.0, 0.1))),),
-            ),
-            free(p=(0.0, 0.0, 1.0)),
-        )
-    ),
-    Feature.PRESCRIBED_MOTION: lambda: Scene(
-        bodies=(
-            Body(
-                name="shaker",
-                motion="kinematic",
-                prescribed=Prescribed(shifts=(Shift(axis_W=(1.0, 0.0, 0.0), motion=Sinusoid(amplitude=0.1, frequency=2.0)),)),
-                collision=(PlacedShape(shape=Box(half_extents=(1.0, 1.0, 0.1))),),
-            ),
-            free(p=(0.0, 0.0, 1.0)),
-        )
+    Feature.KINEMATIC: lambda: _led("belt", v_WB=X),
+    Feature.PRESCRIBED_MOTION: lambda: _led(
+        "shaker", prescribed=Prescribed(shifts=(Shift(axis_W=X, motion=Sinusoid(amplitude=0.1, frequency=2.0)),))
     ),
     Feature.MASSLESS: lambda: Scene(
         bodies=(Body.between("between"), free("body", p=(0.0, 0.0, -1.0))),
-        joints=(
-            Prismatic(name="first", parent=WORLD, child="between", anchor_W=(0.0, 0.0, 0.0), axis_W=(1.0, 0.0, 0.0)),
-            replace(_RAIL, parent="between", axis_W=(0.0, 1.0, 0.0)),
-        ),
+        joints=(prismatic("first", "between", ORIGIN, X), replace(_RAIL, parent="between", axis_W=Y)),
     ),
-    Feature.MASS_POINT: lambda: Scene(bodies=(free(moments=(0.0, 0.0, 0.0)),)),
+    Feature.MASS_POINT: lambda: Scene(bodies=(free(moments=ORIGIN),)),
     Feature.FIXED: lambda: _joint(Fixed(name="j", parent=WORLD, child="body")),
-    Feature.BALL: lambda: _joint(Ball(name="j", parent=WORLD, child="body", anchor_W=(0.0, 0.0, 0.0))),
-    Feature.REVOLUTE: lambda: _joint(
-        Revolute(name="j", parent=WORLD, child="body", anchor_W=(0.0, 0.0, 0.0), axis_W=(0.0, 1.0, 0.0))
-    ),
+    Feature.BALL: lambda: _joint(Ball(name="j", parent=WORLD, child="body", anchor_W=ORIGIN)),
+    Feature.REVOLUTE: lambda: _joint(revolute("j", "body", ORIGIN, Y)),
     Feature.PRISMATIC: lambda: _slide(),
-    Feature.DISTANCE: lambda: _joint(
-        Distance(name="j", parent=WORLD, child="body", anchor_W=(0.0, 0.0, 0.0), child_anchor_W=(0.0, 0.0, -1.0))
-    ),
+    Feature.DISTANCE: lambda: _joint(tie("j", "body", ORIGIN, (0.0, 0.0, -1.0))),
     Feature.DISTANCE_SPRING: lambda: _joint(
-        Distance(
-            name="j",
-            parent=WORLD,
-            child="body",
-            anchor_W=(0.0, 0.0, 0.0),
-            child_anchor_W=(0.0, 0.0, -1.0),
-            spring=Spring(stiffness=10.0, damping=1.0, rest=1.0),
-        )
+        tie("j", "body", ORIGIN, _BELOW, spring=Spring(stiffness=10.0, damping=1.0, rest=1.0))
     ),
     Feature.CLOSED_LOOP: _loop,
     Feature.LIMITS: lambda: _slide(limits=Limits(lower=-0.1, upper=0.1)),
@@ -245,14 +147,10 @@ _SCENES: Mapping[Feature, Callable[[], Scene]] = {
     Feature.FEEDFORWARD: lambda: _slide(drive=Drive(feedforward=1.0)),
     Feature.TENDON: lambda: replace(_slide(), tendons=(Tendon(name="t", arms=(MomentArm(joint="j", arm=2.0),)),)),
     Feature.PAIR_FRICTION: _no_rule,
-    Feature.STATIC_FRICTION: lambda: _surface(Surface(between=_TOUCHING, static_friction=0.6, kinetic_friction=0.4)),
-    Feature.ROLLING_FRICTION: lambda: _surface(
-        Surface(between=_TOUCHING, static_friction=0.5, kinetic_friction=0.5, rolling_friction=0.01)
-    ),
-    Feature.TORSIONAL_FRICTION: lambda: _surface(
-        Surface(between=_TOUCHING, static_friction=0.5, kinetic_friction=0.5, torsional_friction=0.01)
-    ),
-    Feature.RESTITUTION: lambda: _surface(Surface(between=_TOUCHING, restitution=0.5)),
+    Feature.STATIC_FRICTION: lambda: _surface(static_friction=0.6, kinetic_friction=0.4),
+    Feature.ROLLING_FRICTION: lambda: _surface(static_friction=0.5, kinetic_friction=0.5, rolling_friction=0.01),
+    Feature.TORSIONAL_FRICTION: lambda: _surface(static_friction=0.5, kinetic_friction=0.5, torsional_friction=0.01),
+    Feature.RESTITUTION: lambda: _surface(restitution=0.5),
     Feature.LINEAR_DAMPING: lambda: Scene(bodies=(damped(free(), linear=0.5),)),
     Feature.ANGULAR_DAMPING: lambda: Scene(bodies=(damped(free(), angular=0.5),)),
     Feature.CONTINUOUS_COLLISION: lambda: Scene(
@@ -296,6 +194,13 @@ PROBED = reduce(or_, (*_SCENES, *_CALLS))
 """The features that can be probed."""
 
 
+class NotRefused(Exception):
+    """Features that are not claimed and yet are not refused."""
+
+    def __str__(self) -> str:
+        return f"not claimed and yet not refused: {self.args[0]}; expected Unsupported"
+
+
 class _Missing(Unsupported):
     """Not refused, but run without and said so: as good as a refusal for a means that is no law of the scene."""
 
@@ -306,62 +211,55 @@ def _runs_without_sweeping(simulation: Simulation) -> bool:
     return any(notice.kind == "missing" and notice.effect is Effect.CONTINUOUS_COLLISION for notice in notices)
 
 
-def _probe(adapter: Adapter, settings: Settings, feature: Feature) -> None:
+def _probe(engine: Engine, feature: Feature) -> None:
     """Use the feature; raises Unsupported where the engine refuses it."""
     if feature in _SCENES:
-        with built(adapter, _SCENES[feature](), settings) as simulation:
+        with engine.built(_SCENES[feature](), None) as simulation:
             simulation.step()
             if feature is Feature.CONTINUOUS_COLLISION and _runs_without_sweeping(simulation):
                 raise _Missing("continuous collision", "the engine runs without and says so")
     elif feature in _CALLS:
         bare = Scene(bodies=(free(),))
-        with built(adapter, bare, settings) as simulation:
+        with engine.built(bare, None) as simulation:
             simulation.step()
             _CALLS[feature](simulation)
 
 
-def refusal(adapter: Adapter, settings: Settings, missing: Feature) -> CheckResult:
-    """Not applicable where the engine refuses each feature that it does not claim; failed where it does not."""
+def refused(engine: Engine, missing: Feature) -> str:
+    """In words that the engine refuses each of these features, which it does not claim. Raises: NotRefused."""
     silent = []
-    for feature in missing:
-        if feature not in _SCENES and feature not in _CALLS:
-            continue
+    for feature in missing & PROBED:
         try:
-            _probe(adapter, settings, feature)
+            _probe(engine, feature)
         except Unsupported:
             continue
         silent.append(feature)
-    names = ", ".join(missing.names)
     if silent:
-        got = ", ".join(name for feature in silent for name in feature.names)
-        return CheckResult("failed", f"not claimed and yet not refused: {got}; expected Unsupported")
-    return CheckResult("not_applicable", f"the engine does not claim {names} and refuses it")
+        raise NotRefused(", ".join(name for feature in silent for name in feature.names))
+    return f"the engine does not claim {', '.join(missing.names)} and refuses it"
 
 
-@check("Does every claimed feature build and step?", firm=True)
-def claimed_features_build(adapter: Adapter, settings: Settings) -> CheckResult:
+@firm("Does every claimed feature build and step?")
+def claimed_features_build(engine: Engine) -> Comparisons:
     """Each claimed feature builds and steps."""
-    comparisons = []
-    for feature in adapter.features:
+    for feature in engine.features:
         name = feature.names[0]
         try:
-            _probe(adapter, settings, feature)
+            _probe(engine, feature)
         except _Missing:
             continue  # whether it has to be there is the question of continuous_collision_stops_a_fast_ball
         except Exception as error:
-            comparisons.append(that(False, f"{name}: claimed, but {type(error).__name__}: {error}"))
-    return (
-        judge(*comparisons)
-        if comparisons
-        else CheckResult("passed", f"{len(adapter.features.names)} claimed features build and step")
-    )
+            yield that(False, f"{name}: claimed, but {type(error).__name__}: {error}")
+    yield said(f"{len(engine.features.names)} claimed features build and step")
 
 
-@check("Is every feature that is not claimed refused by Unsupported, never approximated in silence?", firm=True)
-def unclaimed_features_raise_unsupported(adapter: Adapter, settings: Settings) -> CheckResult:
+@firm("Is every feature that is not claimed refused by Unsupported, never approximated in silence?")
+def unclaimed_features_raise_unsupported(engine: Engine) -> Comparisons:
     """Each feature that is not claimed raises Unsupported where a scene or a call asks for it."""
-    missing = ~adapter.features
+    missing = ~engine.features
     if not missing.names:
-        return CheckResult("not_applicable", "the engine claims every feature")
-    finding = refusal(adapter, settings, missing)
-    return finding if finding.status == "failed" else CheckResult("passed", finding.message)
+        raise NotApplicable("the engine claims every feature")
+    try:
+        yield said(refused(engine, missing))
+    except NotRefused as error:
+        yield that(False, str(error))

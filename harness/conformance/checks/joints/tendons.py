@@ -4,11 +4,12 @@ from math import cos, exp, sin, sqrt
 
 import numpy as np
 
-from plumbline.harness.adapter import Adapter, Feature, Settings
-from plumbline.harness.conformance.check import CheckResult, check, judge, near
-from plumbline.harness.conformance.room import FINE, final
-from plumbline.harness.conformance.scenes import free
-from plumbline.harness.scene import WORLD, Drive, Limits, MomentArm, Prismatic, Revolute, Scene, Spring, Tendon
+from plumbline.harness.adapter import Feature
+from plumbline.harness.conformance.check import Comparisons, check, near
+from plumbline.harness.conformance.engine import FINE, Engine
+from plumbline.harness.conformance.frames import X, Y
+from plumbline.harness.conformance.scenes import free, prismatic, revolute, without_gravity
+from plumbline.harness.scene import Drive, Limits, MomentArm, Scene, Spring, Tendon
 from plumbline.harness.trajectory import Floats
 
 _MASSES = (2.0, 3.0)
@@ -29,15 +30,14 @@ def _pulled(*positions: float, **laws: Spring | Drive | Limits) -> Scene:
         free("wheel", p=(0.0, 6.0, 0.0), moments=(_MOMENT,) * 3),
         free("beside", p=(0.0, 9.0, 0.0)),
     )
-    kinds = (Prismatic, Prismatic, Revolute, Prismatic)
-    axes = ((1.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (1.0, 0.0, 0.0))
+    kinds = ((prismatic, X), (prismatic, X), (revolute, Y), (prismatic, X))
     joints = tuple(
-        kind(name=f"to {b.name}", parent=WORLD, child=b.name, anchor_W=b.p_WB, axis_W=axis, position=position)
-        for kind, axis, b, position in zip(kinds, axes, bodies, (*positions, *(0.0,) * (4 - len(positions))), strict=True)
+        kind(f"to {b.name}", b.name, b.p_WB, axis, position=position)
+        for (kind, axis), b, position in zip(kinds, bodies, (*positions, *(0.0,) * (4 - len(positions))), strict=True)
     )
     arms = tuple(MomentArm(joint=joint.name, arm=arm) for joint, arm in zip(joints, _ARMS, strict=False))
     tendons = (Tendon(name="tendon", arms=arms, **laws),)  # type: ignore[arg-type]
-    return Scene(bodies=bodies, joints=joints, tendons=tendons, gravity=(0.0, 0.0, 0.0))
+    return without_gravity(*bodies, joints=joints, tendons=tendons)
 
 
 _ANSWER = _ARMS[0] ** 2 / _MASSES[0] + _ARMS[1] ** 2 / _MASSES[1] + _ARMS[2] ** 2 / _MOMENT
@@ -59,39 +59,35 @@ def _turn_about_y(q: Floats) -> float:
     "Does the spring of a tendon pull at each joint by its arm, and at no other?",
     Feature.PRISMATIC | Feature.REVOLUTE | Feature.TENDON,
 )
-def tendon_spring_pulls_by_its_arms(adapter: Adapter, settings: Settings) -> CheckResult:
+def tendon_spring_pulls_by_its_arms(engine: Engine) -> Comparisons:
     """l'' = -s (k (l - r) + c l') with s = sum arm^2/inertia, from where the coordinates stand at the start."""
     k, c, rest, t = 4.0, 0.6, 0.5, 0.8
     start = (0.2, -0.3, 0.4)
     stretch = float(np.dot(_ARMS, start)) - rest
-    end = final(adapter, _pulled(*start, spring=Spring(stiffness=k, damping=c, rest=rest)), settings.with_dt(FINE), t)
+    end = engine.final(_pulled(*start, spring=Spring(stiffness=k, damping=c, rest=rest)), t)
     decay, square = _ANSWER * c / 2, _ANSWER * k
-    swing = sqrt(square - decay**2)
-    left = stretch * exp(-decay * t) * (cos(swing * t) + decay / swing * sin(swing * t))
+    omega = sqrt(square - decay**2)
+    left = stretch * exp(-decay * t) * (cos(omega * t) + decay / omega * sin(omega * t))
     first, second, turned = _moved(left - stretch)
     wheel = _turn_about_y(end.q_WB[2])
-    return judge(
-        near("ways of two slides [m]", end.p_WB[:2, 0], (first, second), _HALF_A_STEP, "half a step of motion"),
-        near("turn of a wheel [rad]", wheel, turned, _HALF_A_STEP, "half a step of motion"),
-        near("way of a slide beside them [m]", end.p_WB[3, 0], 0.0, 1e-9, "nothing pulls at it"),
-    )
+    yield near("ways of two slides [m]", end.p_WB[:2, 0], (first, second), _HALF_A_STEP, "half a step of motion")
+    yield near("turn of a wheel [rad]", wheel, turned, _HALF_A_STEP, "half a step of motion")
+    yield near("way of a slide beside them [m]", end.p_WB[3, 0], 0.0, 1e-9, "nothing pulls at it")
 
 
 @check(
     "Is the drive of a tendon cut off at its limit, and its length stopped at its bound?",
     Feature.PRISMATIC | Feature.REVOLUTE | Feature.TENDON | Feature.DRIVES,
 )
-def tendon_drive_and_limits_hold(adapter: Adapter, settings: Settings) -> CheckResult:
+def tendon_drive_and_limits_hold(engine: Engine) -> Comparisons:
     """A drive of 50 N/m a long way off pulls with its limit f: l = s f t^2/2; under a motor a tendon rests at its bound."""
     force, t, bound = 0.4, 0.5, 0.1
     pulled = _pulled(drive=Drive(stiffness=50.0, target=5.0, limit=force))
-    ways = final(adapter, pulled, settings.with_dt(FINE), t).p_WB[:2, 0]
+    ways = engine.final(pulled, t).p_WB[:2, 0]
     first, second, _ = _moved(_ANSWER * force * t * t / 2)
     stopped = _pulled(drive=Drive(damping=5.0, target_velocity=0.2), limits=Limits(upper=bound))
-    end = final(adapter, stopped, settings.with_dt(FINE), 3.0)
+    end = engine.final(stopped, 3.0)
     wheel = _turn_about_y(end.q_WB[2])
     length = float(np.dot(_ARMS, (*end.p_WB[:2, 0], wheel)))
-    return judge(
-        near("ways under the limit of a drive [m]", ways, (first, second), _HALF_A_STEP, "half a step of motion"),
-        near("length at its bound [m]", length, bound, _GIVE, "a motor of 1 N against a stop that may be soft"),
-    )
+    yield near("ways under the limit of a drive [m]", ways, (first, second), _HALF_A_STEP, "half a step of motion")
+    yield near("length at its bound [m]", length, bound, _GIVE, "a motor of 1 N against a stop that may be soft")

@@ -5,48 +5,42 @@ from typing import Any
 
 import numpy as np
 
-from plumbline.harness.adapter import Adapter, Feature, Settings
-from plumbline.harness.conformance.check import CheckResult, NotApplicable, check, judge, near
-from plumbline.harness.conformance.room import COARSE, built, state_of
-from plumbline.harness.conformance.scenes import TURNED, G, free, rotation
+from plumbline.harness.adapter import Feature
+from plumbline.harness.conformance.check import CheckResult, Comparisons, NotApplicable, firm, judge, near
+from plumbline.harness.conformance.engine import COARSE, Engine, state_of
+from plumbline.harness.conformance.frames import ORIGIN, TURNED, rotation, symmetric
+from plumbline.harness.conformance.scenes import G, free
 from plumbline.harness.scene import Body, Imu, Quaternion, Scene, multiply
 from plumbline.harness.trajectory import Trajectory
 
 
-@check(
-    "Do the engine's own accelerometer and gyroscope count their lever, in their frame, at this instant?",
-    Feature.WRENCH,
-    firm=True,
-)
-def inertial_sensors_say_what_they_feel(adapter: Adapter, settings: Settings) -> CheckResult:
+@firm("Do the engine's own accelerometer and gyroscope count their lever, in their frame, at this instant?", Feature.WRENCH)
+def inertial_sensors_say_what_they_feel(engine: Engine) -> Comparisons:
     """A body that a torque spins up in free fall carries a sensor on a lever, askew.
 
     Equation: f_S = R_SW (a + alpha x r + w x (w x r) - g); in free fall a = g, and a sphere has alpha = tau/I, all in W.
     The spin grows by alpha dt = 8 % a step, so that a reading one step late is off by as much.
     """
-    return _felt(adapter, settings, free(p=(1.0, 2.0, 3.0), q=TURNED), multiply(TURNED, TURNED))
+    return _felt(engine, free(p=(1.0, 2.0, 3.0), q=TURNED), multiply(TURNED, TURNED))
 
 
-@check(
+@firm(
     "Do the engine's own sensors keep their mount on a body whose principal axes are turned against it?",
     Feature.WRENCH | Feature.FULL_INERTIA,
-    firm=True,
 )
-def inertial_sensors_on_turned_principal_axes(adapter: Adapter, settings: Settings) -> CheckResult:
+def inertial_sensors_on_turned_principal_axes(engine: Engine) -> Comparisons:
     """As above, with products of inertia: I w' = tau - w x I w, all in W."""
     R_BM = rotation(multiply(TURNED, TURNED))
-    inertia_B = R_BM @ np.diag([0.3, 0.2, 0.25]) @ R_BM.T
-    inertia_B = (inertia_B + inertia_B.T) / 2
-    rows: Any = tuple(tuple(float(x) for x in row) for row in inertia_B)
-    return _felt(adapter, settings, replace(free(p=(1.0, 2.0, 3.0), q=TURNED, w=(2.0, -1.0, 3.0)), inertia=rows), TURNED)
+    inertia = symmetric(R_BM @ np.diag([0.3, 0.2, 0.25]) @ R_BM.T)
+    return _felt(engine, replace(free(p=(1.0, 2.0, 3.0), q=TURNED, w=(2.0, -1.0, 3.0)), inertia=inertia), TURNED)
 
 
-def _felt(adapter: Adapter, settings: Settings, body: Body, q_BS: Quaternion) -> CheckResult:
+def _felt(engine: Engine, body: Body, q_BS: Quaternion) -> Comparisons:
     """What a sensor on a lever says after 12 steps under a torque, against the laws of motion."""
     tau = np.array([1.0, 2.0, -1.5])
     imu = Imu(name="imu", body="body", rate=1.0, p_BS=(0.4, -0.3, 0.2), q_BS=q_BS)
     scene = Scene(bodies=(body,), sensors=(imu,))
-    with built(adapter, scene, settings.with_dt(COARSE)) as simulation:
+    with engine.built(scene, COARSE) as simulation:
         inertial: Any = getattr(simulation, "inertial", None)
         if inertial is None:
             raise NotApplicable("the engine has no sensors of its own")
@@ -61,18 +55,16 @@ def _felt(adapter: Adapter, settings: Settings, body: Body, q_BS: Quaternion) ->
     later = alpha * COARSE
     change = float(np.linalg.norm(np.cross(later, np.cross(w, r)) + np.cross(w, np.cross(later, r))))
     because = "a fifth of what one step changes"
-    return judge(
-        near("specific force in S [m/s2]", force, felt, 0.2 * change, because),
-        near("angular velocity in S [rad/s]", rate, R_SW @ w, 0.2 * float(np.linalg.norm(later)), because),
-    )
+    yield near("specific force in S [m/s2]", force, felt, 0.2 * change, because)
+    yield near("angular velocity in S [rad/s]", rate, R_SW @ w, 0.2 * float(np.linalg.norm(later)), because)
 
 
-@check("Does the engine's own accelerometer feel what bears it?", Feature.WRENCH, firm=True)
-def inertial_sensors_feel_their_support(adapter: Adapter, settings: Settings) -> CheckResult:
+@firm("Does the engine's own accelerometer feel what bears it?", Feature.WRENCH)
+def inertial_sensors_feel_their_support(engine: Engine) -> Comparisons:
     """Pushed upwards by its weight a body hangs still, and its accelerometer says +g upwards, in the sensor's frame."""
     imu = Imu(name="imu", body="body", rate=1.0, p_BS=(0.4, -0.3, 0.2), q_BS=TURNED)
     scene = Scene(bodies=(free(q=TURNED),), sensors=(imu,))
-    with built(adapter, scene, settings.with_dt(COARSE)) as simulation:
+    with engine.built(scene, COARSE) as simulation:
         inertial: Any = getattr(simulation, "inertial", None)
         if inertial is None:
             raise NotApplicable("the engine has no sensors of its own")
@@ -80,10 +72,8 @@ def inertial_sensors_feel_their_support(adapter: Adapter, settings: Settings) ->
         simulation.step(5)
         force, rate = inertial("imu")
     up = (rotation(TURNED) @ rotation(TURNED)).T @ np.array([0.0, 0.0, G])
-    return judge(
-        near("specific force in S [m/s2]", force, up, 1e-6 * G, "the force that bears it, over its mass"),
-        near("angular velocity in S [rad/s]", rate, (0.0, 0.0, 0.0), 1e-9),
-    )
+    yield near("specific force in S [m/s2]", force, up, 1e-6 * G, "the force that bears it, over its mass")
+    yield near("angular velocity in S [rad/s]", rate, ORIGIN, 1e-9)
 
 
 def noise_axes_are_independent(trajectory: Trajectory) -> CheckResult:
@@ -100,8 +90,6 @@ def noise_axes_are_independent(trajectory: Trajectory) -> CheckResult:
             for b in range(a + 1, moving.shape[1]):
                 r = float(np.corrcoef(moving[:, a], moving[:, b])[0, 1])
                 comparisons.append(near(f"correlation of axes {a} and {b} of {name}", r, 0.0, 5 / np.sqrt(len(signal))))
-    return (
-        judge(*comparisons)
-        if comparisons
-        else CheckResult("not_applicable", "no stream with two noisy channels of 100 samples")
-    )
+    if not comparisons:
+        return CheckResult("not_applicable", "no stream with two noisy channels of 100 samples")
+    return judge(*comparisons)

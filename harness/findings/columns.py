@@ -178,13 +178,13 @@ def headings(columns: Iterable[Column | Titled]) -> list[str]:
 
 def plain(*columns: str) -> list[Column]:
     """Columns of fields: 'step' under its own name, 'steps run=run.steps:.3g s' under another, with format and unit."""
-    made = []
+    columns_of_fields = []
     for column in columns:
         heading, parted, value = column.partition("=")
         path, _, form = value.partition(":")
         form, blank, unit = form.partition(" ")
-        made.append(Column(heading, path if parted else heading, form, blank + unit))
-    return made
+        columns_of_fields.append(Column(heading, path if parted else heading, form, blank + unit))
+    return columns_of_fields
 
 
 def names(of: type, *without: str, path: str = "") -> str:

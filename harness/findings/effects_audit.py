@@ -166,9 +166,8 @@ class EffectVerdict(Cell):
         None where that was not clocked. verdict: 'needed and on', 'needed but missing', 'missing without need', 'paid for
         without need', 'insisted on', 'cannot be switched off', 'left out', 'everything on', 'left out together', 'needed
         together'; NOT_JUDGED where nothing could be compared or nobody can judge; or the status of a run that gave no answer.
-        judge: who says so (`harness.findings.effects_jury`): the truth, engines that agree, or the row's own 'alone'; ''
-        where nobody does. against: the engines that say the opposite. reason: what the engine says to it, or why it is not
-        judged. trial: of the departure.
+        judge: who says so: the truth, engines that agree, or the row's own 'alone'; '' where nobody does. against: the engines
+        that say the opposite. reason: what the engine says to it, or why it is not judged. trial: of the departure.
     """
 
     effect: str

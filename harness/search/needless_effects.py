@@ -19,7 +19,7 @@ more than `SMALL` of what the scene's effects move them by. That an effect matte
 takes the last one. Elsewhere nothing is said.
 
 Declared effects that do not matter are a surplus, undeclared ones that do are missing: in both cases the scene fails its
-audit, which truths judge, or at least two engines that agree (`harness.findings.effects_jury`). A case may insist on an effect
+audit, which truths judge, or at least two engines that agree (`harness.findings.effects_audit`). A case may insist on an effect
 that its own motion does not show, and says why.
 
 Where several effects do not matter one by one, they are left out together, one more each time, as long as it makes no

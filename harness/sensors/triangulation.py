@@ -13,7 +13,7 @@ glass), or too little of it beside sunlight.
 Source: Khoshelham and Elberink, Accuracy and Resolution of Kinect Depth Data for Indoor Mapping Applications, Sensors 12 (2012)
 1437, section 3, equations 5 and 6; Gallup et al., Variable Baseline/Resolution Stereo, CVPR 2008, equation 2; Scharstein and
 Szeliski, A Taxonomy and Evaluation of Dense Two-Frame Stereo Correspondence Algorithms, IJCV 47 (2002) 7 (occlusion, windows);
-light: see `returned_light`.
+light: see `sight`.
 """
 
 import numpy as np

@@ -218,11 +218,11 @@ def tabled(
     def cell(value: Any) -> Any:
         return amount(value) if value is None or isinstance(value, float) else value
 
-    made: list[tuple[str, Callable[[Mapping[str, Any]], Any]]] = []
+    columns_of: list[tuple[str, Callable[[Mapping[str, Any]], Any]]] = []
     for column in columns:
         heading, _, field = column.partition("=") if isinstance(column, str) else (column[0], "", "")
-        made.append((heading, itemgetter(field or heading) if isinstance(column, str) else column[1]))
-    return [heading for heading, _ in made], [[cell(make(row)) for _, make in made] for row in rows]
+        columns_of.append((heading, itemgetter(field or heading) if isinstance(column, str) else column[1]))
+    return [heading for heading, _ in columns_of], [[cell(make(row)) for _, make in columns_of] for row in rows]
 
 
 CLIP = re.compile(r'(?<=id="clip)\d+|(?<=url\(#clip)\d+')

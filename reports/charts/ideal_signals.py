@@ -233,8 +233,8 @@ def _allan(store: Store, group: Sequence[SensorFinding]) -> Figure:
         "one another where an engine adds nothing of its own."
     )
     spec = finished(_layers(store, rows, law, x, y, tooltips, joined=True), height=280)
-    found = f"found [{unit_text(first.unit)}]=value"
-    table = tabled(rows, "engine", "setting=track", "averaging time [s]=tau", found, "by law=law", "trial")
+    column_found = f"found [{unit_text(first.unit)}]=value"
+    table = tabled(rows, "engine", "setting=track", "averaging time [s]=tau", column_found, "by law=law", "trial")
     return Figure(_name("allan", first), f"{named(store, first)}, Allan deviation", caption, spec, *table, how)
 
 

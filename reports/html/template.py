@@ -217,14 +217,14 @@ def environment() -> Environment:
 
 def fill(template: str, store: Store, **context: Any) -> str:
     """A whole page from `templates/<template>`, house words linked to the glossary."""
-    named, known = engines(store), cases(store)
+    named, by_name = engines(store), cases(store)
     common: dict[str, Any] = {
         "navigation": navigation(store),
         "engines": named,
-        "cases": known,
+        "cases": by_name,
         "looks": looks(named),
         "yardsticks": [label for name, label in labels(store).items() if named[name]["ours"]],
-        "case_titles": {name: case["title"] for name, case in known.items()},
+        "case_titles": {name: case["title"] for name, case in by_name.items()},
         "setting_of": partial(setting_words, store),
         "statuses": STATUSES,
         "study": store.study,
@@ -237,7 +237,7 @@ def filled_page(
     name: str,
     title: str,
     order: int,
-    told: Callable[[Store], Mapping[str, Any]],
+    context_of: Callable[[Store], Mapping[str, Any]],
     *,
     heading: str = "",
     listed: bool = True,
@@ -250,10 +250,12 @@ def filled_page(
     """
 
     def render(store: Store) -> Mapping[str, Rendered]:
-        context = told(store)
+        context = context_of(store)
         page = fill(f"{name}.html", store, title=heading or title, **context)
         sheets = {each: table(each) for each in tables}
-        charts = chain.from_iterable(part if isinstance(part, list) else [part] for part in context.values())
+        charts = chain.from_iterable(
+            charts_of if isinstance(charts_of, list) else [charts_of] for charts_of in context.values()
+        )
         return {
             f"{name}.html": page,
             **{f"{each}.csv": sheet(sheets[each].columns, sheets[each].rows(store)) for each in tables},

@@ -8,7 +8,7 @@ from plumbline.harness.case import Case, Check, Parameters
 from plumbline.harness.case.bounds import SINGLE
 from plumbline.harness.metrics.cameras import depth_error_max, depth_error_median, depth_error_rms, silhouette_iou
 from plumbline.harness.scene import Body, DepthCamera, Plane, Scene, axis_angle, multiply
-from plumbline.harness.sensors.pinhole import intrinsics, pixel_centres
+from plumbline.harness.sensors.camera import intrinsics, pixel_centres
 from plumbline.harness.sensors.true_views import stamps_up_to
 from plumbline.harness.trajectory import Floats, Trajectory
 from plumbline.harness.trajectory.kinematics import rotate, rotate_back

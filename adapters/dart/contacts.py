@@ -8,7 +8,7 @@ import numpy as np
 from plumbline.adapters.dart.built import Built
 from plumbline.adapters.dart.vendor import body_of
 from plumbline.harness.scene import Plane, rotation_matrix
-from plumbline.harness.scene.support import support
+from plumbline.harness.scene.shape import support
 from plumbline.harness.trajectory import Contacts, Floats
 
 MOST_CONTACTS = 1000

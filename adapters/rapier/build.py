@@ -55,10 +55,13 @@ def _join(contents: Made, scene: Scene, reduced: bool, between: Collection[str])
 
     def root(name: str) -> Any:
         """A body that moves, or one without shapes in the place of what stands still: links have the friction of 'coulomb'."""
-        if name != WORLD and scene.body(name).movable:
-            return handles[name]
         still = rapier.RigidBody.fixed()
-        return world.add_body(still if name == WORLD else still.position(pose(rapier, scene.body(name).p_WB, scene.body(name).q_WB)), [])
+        if name != WORLD:
+            body = scene.body(name)
+            if body.movable:
+                return handles[name]
+            still = still.position(pose(rapier, body.p_WB, body.q_WB))
+        return world.add_body(still, [])
 
     put_trees(world, scene, trees, root, joiner.link)
     held = {branch.edge.name for tree in trees for branch in tree.branches}

@@ -28,7 +28,7 @@ def is_stored(entry: str) -> bool:
 
     module, _, name = entry.rpartition(".")
     path = Path(engine.__file__).parent.joinpath(*module.split(".")).with_suffix(".py")
-    return any(cache_directory(path).rglob(f"{path.stem}.{name}-*.nbi"))
+    return any(cache_directory(path).rglob(f"{path.stem}.{name}-*.nbc"))
 
 
 def group(family: str, entries: tuple[str, ...], compile: Callable[[], None], first: bool = False) -> KernelGroup:  # noqa: A002
@@ -109,10 +109,10 @@ def kernels() -> Kernels:
 SWEPT = ("swept.earliest.earliest_impact", "swept.strike.place_bodies", "swept.strike.strike")
 EXACT = (
     *(f"respond.exact.kernels.{name}" for name in ("begin_step", "kick_touched", "drift_touched")),
-    *(f"respond.exact.assembly.{name}" for name in ("write_closing", "write_frames", "write_problem", "give_impulses")),
+    *(f"respond.exact.kernels.{name}" for name in ("write_contacts", "write_problem", "give_impulses")),
     "respond.exact.law.largest_breach",
     "respond.exact.finish.finish_from",
-    "respond.exact.scaled.write_scaled",
+    "respond.exact.law.write_scaled",
     "respond.exact.trace.look_at",
 )
 EXACT_JOINTS = ("respond.exact.kernels.write_joint_rows", "respond.exact.kernels.look_at_joints")

@@ -1,6 +1,6 @@
 """A scene becomes a world of SAPIEN: everything in its order."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -10,7 +10,6 @@ from plumbline.adapters.sapien.bodies import Bodies, check_body, slab_of
 from plumbline.adapters.sapien.joints import Articulated, constrain, holder
 from plumbline.adapters.sapien.options import resolved_settings
 from plumbline.adapters.sapien.simulation import SapienSimulation, World
-from plumbline.adapters.sapien.suited import holds_led
 from plumbline.adapters.sapien.surfaces import groups_of, materials_of, patches_of
 from plumbline.adapters.sapien.vendor import new_world
 from plumbline.harness.adapter import Notice, Settings, Unsupported
@@ -29,8 +28,11 @@ def build(sapien: Any, scene: Scene, settings: Settings) -> SapienSimulation:
     joints = tuple(j for j in scene.joints if not is_distance_spring(j)) if Effect.JOINTS in effects else ()
     if Effect.JOINTS in effects:
         refuse_tendons(scene)
-    towed = next((joint for joint in joints if holds_led(scene, joint)), None)
-    used = resolved_settings(settings, scene)
+    trees = trees_of(scene, joints)
+    reduced = {branch.edge.name for tree in trees for branch in tree.branches}
+    loose = [joint for joint in joints if joint.name not in reduced]
+    used = resolved_settings(settings, scene, bool(loose))
+    towed = next((joint for joint in loose if _holds_led(scene, joint)), None)
     if towed is not None and used.solver == "pgs":
         raise Unsupported(
             f"joint '{towed.name}': a body that is led", "PGS takes its turning for nought at joints; TGS does not"
@@ -45,7 +47,7 @@ def build(sapien: Any, scene: Scene, settings: Settings) -> SapienSimulation:
     if Effect.JOINTS in effects:
         world.springs = DistanceSprings.of(scene, scene.joints, used.substep)
     bodies = Bodies(sapien, effects, used, materials_of(sapien, scene), groups_of(scene), patches, slab_of(scene))
-    _Builder(world, scene, bodies, trees_of(scene, joints)).build(joints, used.options["capped"])
+    _Builder(world, scene, bodies, trees).build(loose, used.options["capped"])
     if Effect.CONTACT not in effects:
         world.shape = lambda: bodies.shape_for_rays(scene, world.components)
     _notice(world, scene, effects, used)
@@ -54,6 +56,11 @@ def build(sapien: Any, scene: Scene, settings: Settings) -> SapienSimulation:
             Notice(f"a box of {2 * bodies.slab:.4g} m stands for each plane: meshes that move fall through planes")
         )
     return SapienSimulation(scene, used, world)
+
+
+def _holds_led(scene: Scene, joint: Joint) -> bool:
+    """Does a joint hold something on a body that is led?"""
+    return any(name != WORLD and scene.body(name).motion == "kinematic" for name in (joint.parent, joint.child))
 
 
 @dataclass(slots=True)
@@ -67,7 +74,7 @@ class _Builder:
     names: dict[str, Any] = field(default_factory=dict)
     ignored: Mapping[str, tuple[int, int]] = field(default_factory=dict)
 
-    def build(self, joints: tuple[Joint, ...], capped: bool) -> None:
+    def build(self, loose: Sequence[Joint], capped: bool) -> None:
         """Trees, then bodies outside of them, then the joints outside of them. Raises: Unsupported."""
         world, scene = self.world, self.scene
         self.ignored = self._ignored()
@@ -75,12 +82,6 @@ class _Builder:
         for tree in self.trees:
             self.names |= articulated.put(world.scene, tree)
         world.driven = articulated.driven
-        held = {branch.edge.name for tree in self.trees for branch in tree.branches}
-        loose: dict[str, list[Joint]] = {}
-        movable = [body.name for body in scene.bodies if body.movable]
-        for joint in joints:
-            if joint.name not in held:
-                loose.setdefault(holder(joint, movable), []).append(joint)
         entities = {}
         for number, body in enumerate(scene.bodies):
             if body.name in self.names:
@@ -92,18 +93,17 @@ class _Builder:
                 self.bodies.tell_mass(body, component)
                 component.kinematic = body.motion == "kinematic"
             self.names[body.name] = component
-        for name, joined in loose.items():
-            for joint in joined:
-                entity = entities.get(name) or self.names[name].entity
-                for component in constrain(world.sapien, scene, joint, self.names, self.names[name]):
-                    entity.add_component(component)
+        for joint in loose:
+            name = holder(scene, joint)
+            entity = entities.get(name) or self.names[name].entity
+            for component in constrain(world.sapien, scene, joint, self.names, self.names[name]):
+                entity.add_component(component)
         for name, entity in entities.items():
             world.scene.add_entity(entity)
             body = scene.body(name)
             if body.movable:
-                with np.errstate(
-                    over="ignore"
-                ):  # what single precision has not becomes infinite, and is told in the first step
+                # What single precision has not becomes infinite, and is told in the first step.
+                with np.errstate(over="ignore"):
                     self.names[name].set_linear_velocity(list(body.v_WB))
                     self.names[name].set_angular_velocity(list(body.w_WB))
         world.components = {scene.index(name): component for name, component in self.names.items()}

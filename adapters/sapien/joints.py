@@ -1,7 +1,7 @@
 """Joints: trees of them as articulations in reduced coordinates, all others as constraints between two bodies."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -238,6 +238,7 @@ def _lock(constraint: Any, joint: Any) -> None:
         constraint.set_limit_twist(*ends)
 
 
-def holder(joint: Joint, movable: Sequence[str]) -> str:
+def holder(scene: Scene, joint: Joint) -> str:
     """The name of the body whose component a constraint is: the child, unless only the parent moves."""
-    return joint.child if joint.child in movable or joint.parent not in movable else joint.parent
+    movable = [name for name in (joint.child, joint.parent) if name != WORLD and scene.body(name).movable]
+    return movable[0] if movable else joint.child

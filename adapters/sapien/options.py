@@ -44,11 +44,14 @@ _VENDOR: Mapping[str, Any] = {
 }
 
 
-def resolved_settings(settings: Settings, scene: Scene) -> Settings:
-    """The settings with the vendor's values where they leave something open. Raises: SettingsError."""
+def resolved_settings(settings: Settings, scene: Scene, constrained: bool) -> Settings:
+    """The settings with the vendor's values where they leave something open. Raises: SettingsError.
+
+    Args: constrained: is a joint not in reduced coordinates?
+    """
     chosen = checked_options("SAPIEN", settings, KNOWN, INTEGRATOR, SOLVERS)
     by_scene = chosen["by_scene"] is True
-    solver = settings.solver or (suited(scene) if by_scene else "tgs")
+    solver = settings.solver or (suited(scene, constrained) if by_scene else "tgs")
     left_open = {**_VENDOR, "max_depenetration_velocity": PARTING} if by_scene and solver == "pgs" else _VENDOR
     return replace(
         settings,

@@ -24,9 +24,11 @@ def with_trees(floats: Floats, ints: Ints, forest: Forest) -> tuple[Floats, Ints
     n, m, t = len(forest.links), sum(DEGREES[kind] for kind in types), sum(link.tie is not None for link in forest.links)
     pulling = len(forest.tendons)
     held = t + pulling
-    more = held + 1 if held > 0 else 0
-    ties = [more * n, more * m, held * held, held, pulling, pulling * m]
-    rows = [n, n, n, n, m, m + pulling, n, m, n, *ties], [n, len(forest.others), len(forest.closing), t]
+    answers = [(1 + held) * n, (1 + held) * m]
+    rows = (
+        [n, n, n, n, m, m + pulling, n, *answers, held * held, held, pulling * m],
+        [n, len(forest.others), len(forest.closing), t],
+    )
     starts: list[int] = []
     place = len(floats)
     for count, columns in zip(rows[0], tree.FLOAT_COLUMNS.tolist(), strict=True):
@@ -42,8 +44,9 @@ def with_trees(floats: Floats, ints: Ints, forest: Forest) -> tuple[Floats, Ints
     floats, ints = np.concatenate((floats, behind)), np.concatenate((ints, tail))
     first = 0
     for k, (link, kind) in enumerate(zip(forest.links, types, strict=True)):
-        kin = link.parent, link.body, link.joint, kind, first, DEGREES[kind], link.base, link.root, k, -1, link.root
+        kin = link.parent, link.body, link.joint, kind, first, DEGREES[kind], link.base, link.root, k, link.root
         tree.int_view(ints, tree.KIND)[k] = kin
+        tree.float_view(floats, ints, tree.LAW)[first : first + DEGREES[kind], tree.OWNER] = k
         _write_link(floats, ints, k, link, kind)
         _write_coordinates(floats, ints, k, link, kind)
         first += DEGREES[kind]
@@ -62,11 +65,12 @@ def _hold_together(kinds: Ints, one: int, other: int) -> None:
 
 def _write_tendons(floats: Floats, ints: Ints, forest: Forest) -> None:
     """Fill laws and arms of tendons, and which trees they hold together."""
-    kinds, tendons = tree.int_view(ints, tree.KIND), tree.float_view(floats, ints, tree.TENDON)
-    law, arm = tree.float_view(floats, ints, tree.LAW), tree.float_view(floats, ints, tree.ARM)
-    columns = len(law) - len(tendons)
+    kinds, arm = tree.int_view(ints, tree.KIND), tree.float_view(floats, ints, tree.ARM)
+    law, columns = tree.float_view(floats, ints, tree.LAW), len(tree.float_view(floats, ints, tree.COLUMN))
     for n, (tendon, arms) in enumerate(forest.tendons):
-        law[columns + n, tree.WHICH] = write_laws(tendons[n], tendon.limits, tendon.spring, tendon.drive)
+        numbers = np.zeros(at.SPEED_LIMIT + 1)
+        law[columns + n, tree.WHICH] = write_laws(numbers, tendon.limits, tendon.spring, tendon.drive)
+        law[columns + n, tree.RULE + at.LOWER : tree.RULE + at.SPEED_LIMIT + 1] = numbers[at.LOWER :]
         for link, share in arms.items():
             arm[n * columns + kinds[link, tree.FIRST], 0] = share
             _hold_together(kinds, link, min(arms))
@@ -76,15 +80,17 @@ def _write_ties(floats: Floats, ints: Ints, forest: Forest) -> None:
     """Fill who follows whom, and which trees that holds together; all that are tied to laws have the bit `HAS_TIED`."""
     kinds, constants = tree.int_view(ints, tree.KIND), tree.float_view(floats, ints, tree.LINK)
     joint_kind = at.int_table(ints, at.JOINT_KIND)
-    constants[:, tree.RATIO] = 1.0
+    law = tree.float_view(floats, ints, tree.LAW)
+    constants[:, tree.RATIO], law[:, tree.SHARED], law[:, tree.NEXT_PART] = 1.0, 1.0, -1
     followers = [k for k, link in enumerate(forest.links) if link.tie is not None]
     tree.int_view(ints, tree.FOLLOWER)[:, 0] = followers
     for k in followers:
         tie = forest.links[k].tie
         assert tie is not None
         constants[k, tree.RATIO] = tie.ratio
-        kinds[k, tree.LEADER], kinds[k, tree.NEXT] = tie.leader, kinds[tie.leader, tree.NEXT]
-        kinds[tie.leader, tree.NEXT] = k
+        column, leader = kinds[[k, tie.leader], tree.FIRST]
+        kinds[k, tree.LEADER], law[column, tree.SHARED] = tie.leader, tie.ratio
+        law[column, tree.NEXT_PART], law[leader, tree.NEXT_PART] = law[leader, tree.NEXT_PART], column
         _hold_together(kinds, k, tie.leader)
     for leader in {int(kinds[k, tree.LEADER]) for k in followers}:
         joints = kinds[kinds[:, tree.LEADER] == leader, tree.JOINT]

@@ -104,7 +104,7 @@ def under_machines(setting: Floats, soft: Softness) -> Softness:
     if setting[0, at.HERTZ] * soft.h < STIFFEST:
         return soft
     forgotten = 1.0 / (1.0 + BORNE * soft.mass_scale / soft.impulse_scale)
-    return Softness(soft.h, soft.bias_rate, 1.0 - forgotten, forgotten, soft.max_push)
+    return Softness(soft.h, soft.bias_rate, 1.0 - forgotten, forgotten, soft.max_push, soft.backwards)
 
 
 @kernel

@@ -11,18 +11,36 @@ Source: Featherstone, Rigid Body Dynamics Algorithms, 2008, sections 2.13 (inert
 
 from plumbline.engine.articulated import tables as tree
 from plumbline.engine.articulated.motion import write_bias
-from plumbline.engine.articulated.tables import Tables
+from plumbline.engine.articulated.spatial import NOTHING, force_at, velocity_at
+from plumbline.engine.articulated.tables import Trees
 from plumbline.engine.compile.jit import kernel
-from plumbline.engine.maths.rows import Floats, Sym, Vec, load3, load6, load9, store3, store6, store9
+from plumbline.engine.maths.rows import Sym, Vec, load3, load6, load9, store6, store9
 from plumbline.engine.maths.vec import add, axpy, cross, neg, sym_rotate, sym_vec
 from plumbline.engine.memory import arena as at
-from plumbline.engine.memory.tables import Bodies
 
 
 @kernel
-def put_inertia(body: Floats, i: int, inertia: Sym, m: float, r: Vec) -> None:
-    """Write the spatial inertia of link i: of mass m at r, and `inertia` about it."""
-    x, y, z = r
+def centre_velocity(trees: Trees, i: int) -> Vec:
+    """The velocity [m/s] of the centre of mass of link i along the tangent."""
+    return velocity_at(load6(trees.motion, i, tree.VELOCITY), load3(trees.motion, i, tree.PLACE))
+
+
+@kernel
+def turned_inertia(trees: Trees, i: int) -> Sym:
+    """The inertia [kg m2] of link i about its centre of mass, in W."""
+    return sym_rotate(load9(trees.motion, i, tree.MATRIX), load6(trees.link, i, tree.INERTIA))
+
+
+@kernel
+def put_force(trees: Trees, i: int, torque: Vec, f: Vec) -> None:
+    """Write the force of link i, of a torque and a force at its centre of mass."""
+    store6(trees.answer, i, tree.FORCE, force_at(torque, f, load3(trees.motion, i, tree.PLACE)))
+
+
+@kernel
+def put_inertia(trees: Trees, i: int, inertia: Sym) -> None:
+    """Write the spatial inertia of link i. Args: inertia: about its centre of mass, in W."""
+    body, m, (x, y, z) = trees.body, trees.link[i, tree.MASS], load3(trees.motion, i, tree.PLACE)
     xx, yy, zz = m * x * x, m * y * y, m * z * z
     store6(
         body, i, tree.ROTATION,
@@ -36,34 +54,31 @@ def put_inertia(body: Floats, i: int, inertia: Sym, m: float, r: Vec) -> None:
 
 
 @kernel
-def load_links(tables: Tables, bodies: Bodies, setting: Floats, gyroscopic: int) -> None:
+def load_links(trees: Trees) -> None:
     """Write inertia, bias and force of every link under gravity, loads and damping."""
-    link, motion, body = tables.link, tables.motion, tables.body
-    g = load3(setting, 0, at.GRAVITY)
+    link, load, g = trees.link, trees.bodies.load, load3(trees.setting, 0, at.GRAVITY)
     for i in range(link.shape[0]):
-        m, r = link[i, tree.MASS], load3(motion, i, tree.PLACE)
-        w = load3(motion, i, tree.VELOCITY)
-        v = add(load3(motion, i, tree.VELOCITY + 3), cross(w, r))
-        inertia = sym_rotate(load9(motion, i, tree.MATRIX), load6(link, i, tree.INERTIA))
+        m, b, w, v = (
+            link[i, tree.MASS],
+            trees.kind[i, tree.ROW],
+            load3(trees.motion, i, tree.VELOCITY),
+            centre_velocity(trees, i),
+        )
+        inertia = turned_inertia(trees, i)
         spin = sym_vec(inertia, w)
-        b = tables.kind[i, tree.ROW]
-        torque = axpy(link[i, tree.ANGULAR_DAMPING], spin, neg(load3(bodies.load, b, 3)))
-        if gyroscopic == 1:
+        torque = axpy(link[i, tree.ANGULAR_DAMPING], spin, neg(load3(load, b, 3)))
+        if trees.gyroscopic == 1:
             torque = add(torque, cross(w, spin))
-        f = axpy(m, cross(w, v), axpy(m * link[i, tree.LINEAR_DAMPING], v, axpy(-m, g, neg(load3(bodies.load, b, 0)))))
-        store3(body, i, tree.FORCE, add(torque, cross(r, f)))
-        store3(body, i, tree.FORCE + 3, f)
-        put_inertia(body, i, inertia, m, r)
-        write_bias(tables, bodies.state, i)
+        f = axpy(m, cross(w, v), axpy(m * link[i, tree.LINEAR_DAMPING], v, axpy(-m, g, neg(load3(load, b, 0)))))
+        put_force(trees, i, torque, f)
+        put_inertia(trees, i, inertia)
+        write_bias(trees, i)
 
 
 @kernel
-def weigh_links(tables: Tables) -> None:
+def weigh_links(trees: Trees) -> None:
     """Write inertia of every link, without damping, at rest and without forces: what an impulse meets."""
-    link, motion, body = tables.link, tables.motion, tables.body
-    for i in range(link.shape[0]):
-        inertia = sym_rotate(load9(motion, i, tree.MATRIX), load6(link, i, tree.INERTIA))
-        put_inertia(body, i, inertia, link[i, tree.MASS], load3(motion, i, tree.PLACE))
-        for c in range(6):
-            body[i, tree.FORCE + c] = 0.0
-            motion[i, tree.BIAS + c] = 0.0
+    for i in range(trees.link.shape[0]):
+        put_inertia(trees, i, turned_inertia(trees, i))
+        store6(trees.answer, i, tree.FORCE, NOTHING)
+        store6(trees.motion, i, tree.BIAS, NOTHING)

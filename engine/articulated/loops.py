@@ -14,51 +14,51 @@ import math
 from typing import Final
 
 from plumbline.engine.articulated.responses import NOWHERE, Touched, change_of, give
-from plumbline.engine.articulated.tables import Tables
+from plumbline.engine.articulated.tables import Trees
 from plumbline.engine.compile.jit import kernel
 from plumbline.engine.constrain.joint_rows import equality_rows
 from plumbline.engine.constrain.reactions import add_reaction
 from plumbline.engine.maths.rows import Floats, Vec, load3
 from plumbline.engine.maths.vec import dot, scale
 from plumbline.engine.memory import arena as at
-from plumbline.engine.memory.tables import Bodies, Joints, Rows
+from plumbline.engine.memory.tables import Joints, Rows
 
 DEPENDENT: Final = 1e-10
 """Pivots below this share of what the two bodies alone would give way: the row follows from the tree's joints or other rows."""
 
 
 @kernel
-def count_loop_rows(tables: Tables, joints: Joints) -> int:
+def count_loop_rows(trees: Trees) -> int:
     """How many rows the joints have that close loops."""
     n = 0
-    for c in range(tables.closing.shape[0]):
-        kind = joints.kind[tables.closing[c, 0], at.JOINT_TYPE]
+    for c in range(trees.closing.shape[0]):
+        kind = trees.joints.kind[trees.closing[c, 0], at.JOINT_TYPE]
         n += 6 if kind == at.FIXED else 3 if kind == at.BALL else 1 if kind == at.DISTANCE else 5
     return n
 
 
 @kernel
-def touch_loops(tables: Tables, bodies: Bodies, joints: Joints) -> None:
+def touch_loops(trees: Trees) -> None:
     """Mark the dynamic bodies that loops close at as touched."""
-    for c in range(tables.closing.shape[0]):
+    for c in range(trees.closing.shape[0]):
         for side in range(1, 3):
-            b = joints.kind[tables.closing[c, 0], side]
-            if bodies.kind[b, at.MOTION] == at.DYNAMIC:
-                bodies.kind[b, at.TOUCHED] = 1
+            b = trees.joints.kind[trees.closing[c, 0], side]
+            if trees.bodies.kind[b, at.MOTION] == at.DYNAMIC:
+                trees.bodies.kind[b, at.TOUCHED] = 1
 
 
 @kernel
-def write_loops(tables: Tables, bodies: Bodies, joints: Joints, rows: Rows | None, h: float) -> None:
+def write_loops(trees: Trees, rows: Rows | None, h: float) -> None:
     """Write the rows of all loops at the poses of their bodies, for a sub-step of h [s] that closes their gaps.
 
     Args: rows: None, here and below, where no joint closes a loop; then nothing of this is compiled.
     """
     if rows is None:
         return
-    r = 0
-    for c in range(tables.closing.shape[0]):
+    r, joints = 0, trees.joints
+    for c in range(trees.closing.shape[0]):
         rest = Rows(rows.row[r:], rows.body[r:], rows.reach, rows.matrix, rows.factor, rows.vector)
-        n = equality_rows(bodies.state, Joints(joints.joint, joints.kind, tables.closing[c : c + 1]), rest)
+        n = equality_rows(trees.bodies.state, Joints(joints.joint, joints.kind, trees.closing[c : c + 1]), rest)
         for k in range(r, r + n):
             rows.row[k, at.BIAS] = rows.row[k, at.GAP] / h
         r += n
@@ -86,7 +86,7 @@ def own_mobility(rows: Rows, r: int, body: Floats) -> float:
 
 
 @kernel
-def write_loop_matrix(bodies: Bodies, touched: Touched, rows: Rows | None, n: int) -> None:
+def write_loop_matrix(trees: Trees, touched: Touched, rows: Rows | None, n: int) -> None:
     """Write J G J^T of the first n rows and its factor, by Cholesky; rows that depend on others are held (PIVOT 1)."""
     if rows is None:
         return
@@ -107,7 +107,7 @@ def write_loop_matrix(bodies: Bodies, touched: Touched, rows: Rows | None, n: in
         left = matrix[i, i]
         for k in range(i):
             left -= low[i, k] * low[i, k]
-        pivot[i] = 1.0 if left <= DEPENDENT * own_mobility(rows, i, bodies.body) else 0.0
+        pivot[i] = 1.0 if left <= DEPENDENT * own_mobility(rows, i, trees.bodies.body) else 0.0
         low[i, i] = 1.0 if pivot[i] == 1.0 else math.sqrt(left)
         if pivot[i] == 1.0:
             for k in range(i):
@@ -115,13 +115,11 @@ def write_loop_matrix(bodies: Bodies, touched: Touched, rows: Rows | None, n: in
 
 
 @kernel
-def hold_loops(
-    state: Floats, joints: Joints, touched: Touched, rows: Rows | None, n: int, share: float, reactions: bool
-) -> None:
+def hold_loops(trees: Trees, touched: Touched, rows: Rows | None, n: int, share: float, reactions: bool) -> None:
     """Give the impulses that all rows ask for at the present velocities. Args: share: of the gap to be closed, 0 or 1."""
     if rows is None:
         return
-    row, low, vector = rows.row, rows.factor, rows.vector
+    state, row, low, vector = trees.bodies.state, rows.row, rows.factor, rows.vector
     for r in range(n):
         total = -share * row[r, at.BIAS]
         for side in range(2):
@@ -147,4 +145,4 @@ def hold_loops(
                 f, t = load3(row, r, 6 * side), load3(row, r, 6 * side + 3)
                 give(touched, state, place, scale(impulse, f), scale(impulse, t))
         if reactions:
-            add_reaction(joints, rows, r, impulse)
+            add_reaction(trees.joints, rows, r, impulse)

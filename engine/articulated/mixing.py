@@ -23,45 +23,45 @@ ALIKE: Final = 1e-10
 
 
 @kernel
-def reduced(dx: Floats, df: Floats, j: int) -> bool:
-    """Take from difference j of the steps what it has of those before it, and the same of the guesses. Returns: is any left?"""
-    before, after = 0.0, 0.0
-    for c in range(df.shape[1]):
-        before += df[j, c] * df[j, c]
-    for i in range(j):
-        along, size = 0.0, 0.0
-        for c in range(df.shape[1]):
-            along, size = along + df[i, c] * df[j, c], size + df[i, c] * df[i, c]
-        if size > 0.0:
-            for c in range(df.shape[1]):
-                df[j, c] -= along / size * df[i, c]
-                dx[j, c] -= along / size * dx[i, c]
-    for c in range(df.shape[1]):
-        after += df[j, c] * df[j, c]
-    return after > ALIKE * ALIKE * before and math.isfinite(after)
+def product(a: Floats, i: int, b: Floats, j: int) -> float:
+    """Row i of a times row j of b."""
+    total = 0.0
+    for c in range(a.shape[1]):
+        total += a[i, c] * b[j, c]
+    return total
 
 
 @kernel
-def mixed(guess: Floats, step: Floats, work_x: Floats, work_f: Floats, kept: int, answer: Floats) -> None:
-    """Write the next guess.
+def take_away(a: Floats, i: int, share: float, b: Floats, j: int) -> None:
+    """Take a share of row j of b from row i of a."""
+    for c in range(a.shape[1]):
+        a[i, c] -= share * b[j, c]
 
-    Args: guess, step: x and f of the last rounds, a row each, newest first; work_x, work_f: room for `DEPTH` differences;
-        kept: rows that are known; answer: (n,), x and then the next x.
+
+@kernel
+def mix(guess: Floats, step: Floats, dx: Floats, df: Floats, kept: int) -> None:
+    """Write the next guess into row `DEPTH` of dx.
+
+    Args: guess, step: x and f of the last rounds, a row each, newest first; dx, df: room for `DEPTH` differences, and one row;
+        kept: rows that are known.
     """
-    n = answer.shape[0]
-    for c in range(n):
-        work_f[DEPTH, c] = step[0, c]
-        answer[c] = guess[0, c] + step[0, c]
+    for c in range(guess.shape[1]):
+        df[DEPTH, c], dx[DEPTH, c] = step[0, c], guess[0, c] + step[0, c]
     for j in range(kept - 1):
-        for c in range(n):
-            work_x[j, c], work_f[j, c] = guess[j, c] - guess[j + 1, c], step[j, c] - step[j + 1, c]
-        if not reduced(work_x, work_f, j):
-            for c in range(n):
-                work_x[j, c], work_f[j, c] = 0.0, 0.0
-            continue
-        along, size = 0.0, 0.0
-        for c in range(n):
-            along, size = along + work_f[j, c] * work_f[DEPTH, c], size + work_f[j, c] * work_f[j, c]
-        for c in range(n):
-            work_f[DEPTH, c] -= along / size * work_f[j, c]
-            answer[c] -= along / size * (work_x[j, c] + work_f[j, c])
+        for c in range(guess.shape[1]):
+            dx[j, c], df[j, c] = guess[j, c] - guess[j + 1, c], step[j, c] - step[j + 1, c]
+        before = product(df, j, df, j)
+        for i in range(j):
+            size = product(df, i, df, i)
+            share = product(df, i, df, j) / size if size > 0.0 else 0.0
+            take_away(df, j, share, df, i)
+            take_away(dx, j, share, dx, i)
+        size = product(df, j, df, j)
+        if size > ALIKE * ALIKE * before and math.isfinite(size):
+            share = product(df, j, df, DEPTH) / size
+            take_away(df, DEPTH, share, df, j)
+            take_away(dx, DEPTH, share, dx, j)
+            take_away(dx, DEPTH, share, df, j)
+        else:
+            for c in range(guess.shape[1]):
+                dx[j, c], df[j, c] = 0.0, 0.0

@@ -28,10 +28,11 @@ from typing import Final, NamedTuple
 import numpy as np
 
 from plumbline.engine.articulated import tables as tree
-from plumbline.engine.articulated.tables import Tables
+from plumbline.engine.articulated.spatial import STILL, turning, velocity_at
+from plumbline.engine.articulated.tables import Trees
 from plumbline.engine.compile.jit import kernel
-from plumbline.engine.maths.rows import Floats, Ints, Vec, load3, load6
-from plumbline.engine.maths.vec import add, axpy, cross, scale
+from plumbline.engine.maths.rows import Floats, Ints, Vec, load3, load6, store3
+from plumbline.engine.maths.vec import axpy, scale
 from plumbline.engine.memory import arena as at
 from plumbline.engine.memory.tables import Bodies
 
@@ -66,9 +67,9 @@ class Touched(NamedTuple):
 
 
 @kernel
-def find_touched(tables: Tables, bodies: Bodies) -> Touched:
+def find_touched(trees: Trees) -> Touched:
     """The places of all dynamic bodies that contacts touch, links first, in their order."""
-    links, n = tables.kind.shape[0], 0
+    bodies, links, n = trees.bodies, trees.kind.shape[0], 0
     place, depth = np.empty(bodies.state.shape[0], np.int64), np.empty(links, np.int64)
     for b in range(bodies.state.shape[0]):
         place[b] = NOWHERE
@@ -76,20 +77,20 @@ def find_touched(tables: Tables, bodies: Bodies) -> Touched:
             n += 1
     kind, slot, blocks, rows, begin, root = np.empty((n, 6), np.int64), 0, 0, 0, 0, NOWHERE
     for i in range(links):
-        b, parent = tables.kind[i, tree.ROW], tables.kind[i, tree.PARENT]
-        depth[i] = tables.kind[i, tree.COLUMNS] + (depth[parent] if parent >= 0 else 0)
+        b, parent = trees.kind[i, tree.ROW], trees.kind[i, tree.PARENT]
+        depth[i] = trees.kind[i, tree.COLUMNS] + (depth[parent] if parent >= 0 else 0)
         if bodies.kind[b, at.TOUCHED] == 0:
             continue
-        if tables.kind[i, tree.CLUSTER] != root:
-            root, begin = tables.kind[i, tree.CLUSTER], slot
+        if trees.kind[i, tree.CLUSTER] != root:
+            root, begin = trees.kind[i, tree.CLUSTER], slot
         place[b] = slot
         kind[slot, BODY], kind[slot, LINK], kind[slot, BEGIN], kind[slot, FIRST_TAKEN] = b, i, begin, rows
-        rows += depth[i] + tables.tie.shape[0]
+        rows += depth[i] + trees.tie.shape[0]
         slot += 1
         for k in range(begin, slot):
             kind[k, END] = slot
-    for m in range(tables.other.shape[0]):
-        b = tables.other[m, 0]
+    for m in range(trees.other.shape[0]):
+        b = trees.other[m, 0]
         if bodies.kind[b, at.TOUCHED] == 1 and bodies.kind[b, at.MOTION] == at.DYNAMIC:
             place[b] = slot
             kind[slot, BODY], kind[slot, LINK], kind[slot, BEGIN], kind[slot, END] = b, NOWHERE, slot, slot + 1
@@ -98,18 +99,7 @@ def find_touched(tables: Tables, bodies: Bodies) -> Touched:
     for k in range(n):
         kind[k, FIRST_BLOCK] = blocks
         blocks += kind[k, END] - kind[k, BEGIN]
-    block, given = np.empty((blocks, 36)), np.empty((n, 6))
-    clear(block)
-    clear(given)
-    return Touched(place, kind, block, given, depth, np.empty((rows, 6)), np.empty((1, 36))[0])
-
-
-@kernel
-def clear(table: Floats) -> None:
-    """Let all numbers be zero."""
-    for i in range(table.shape[0]):
-        for j in range(table.shape[1]):
-            table[i, j] = 0.0
+    return Touched(place, kind, np.zeros((blocks, 36)), np.zeros((n, 6)), depth, np.empty((rows, 6)), np.empty(36))
 
 
 @kernel
@@ -134,7 +124,7 @@ def change_of(touched: Touched, i: int, k: int, f: Vec, t: Vec) -> tuple[Vec, Ve
     """What an impulse on place k changes of the velocities of place i; nothing where either is NOWHERE."""
     kind, block = touched.kind, touched.block
     if i == NOWHERE or k == NOWHERE or not kind[k, BEGIN] <= i < kind[k, END]:
-        return (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+        return STILL, STILL
     n = kind[k, FIRST_BLOCK] + i - kind[k, BEGIN]
     v, w = scale(f[0], load3(block, n, 0)), scale(f[0], load3(block, n, 3))
     v, w = axpy(f[1], load3(block, n, 6), v), axpy(f[1], load3(block, n, 9), w)
@@ -145,11 +135,11 @@ def change_of(touched: Touched, i: int, k: int, f: Vec, t: Vec) -> tuple[Vec, Ve
 
 
 @kernel
-def take_in(tables: Tables, touched: Touched, place: int) -> None:
+def take_in(trees: Trees, touched: Touched, place: int) -> None:
     """Write what unit impulses on the link of a place leave along the columns from there to the root."""
-    column, kind, taken, force = tables.column, tables.kind, touched.taken, touched.force
+    column, kind, taken, force = trees.column, trees.kind, touched.taken, touched.force
     x = touched.kind[place, LINK]
-    r, row = load3(tables.motion, x, tree.PLACE), touched.kind[place, FIRST_TAKEN] + touched.depth[x]
+    r, row = load3(trees.motion, x, tree.PLACE), touched.kind[place, FIRST_TAKEN] + touched.depth[x]
     for c in range(36):
         force[c] = 0.0
     for c in range(3):
@@ -175,51 +165,50 @@ def take_in(tables: Tables, touched: Touched, place: int) -> None:
 
 
 @kernel
-def give_up_to_ties(tables: Tables, touched: Touched, struck: int) -> None:
+def give_up_to_ties(trees: Trees, touched: Touched, struck: int) -> None:
     """Write what unit impulses on the link of a place leave to ties: what units of these do to it, by the factor they have."""
-    taken, low, n = touched.taken, tables.tie_factor, tables.tie.shape[0]
+    taken, low, n = touched.taken, trees.tie_factor, trees.tie.shape[0]
     x = touched.kind[struck, LINK]
-    r, row = load3(tables.motion, x, tree.PLACE), touched.kind[struck, FIRST_TAKEN] + touched.depth[x]
+    r, row = load3(trees.motion, x, tree.PLACE), touched.kind[struck, FIRST_TAKEN] + touched.depth[x]
     for t in range(n):
-        answer = t * tables.kind.shape[0] + x
-        w = load3(tables.tie_link, answer, tree.TIE_ACCELERATION)
-        v = add(load3(tables.tie_link, answer, tree.TIE_ACCELERATION + 3), cross(w, r))
-        for c in range(3):
-            taken[row + t, c], taken[row + t, 3 + c] = v[c], w[c]
+        answer = (1 + t) * trees.kind.shape[0] + x
+        moved = load6(trees.answer, answer, tree.ACCELERATION)
+        store3(taken, row + t, 0, velocity_at(moved, r))
+        store3(taken, row + t, 3, turning(moved))
         for c in range(6):
             for s in range(t):
                 taken[row + t, c] -= low[n * t + s, 0] * taken[row + s, c]
-            taken[row + t, c] = 0.0 if tables.tie[t, tree.SLACK] == 1.0 else taken[row + t, c] / low[n * t + t, 0]
+            taken[row + t, c] = 0.0 if trees.tie[t, tree.SLACK] == 1.0 else taken[row + t, c] / low[n * t + t, 0]
 
 
 @kernel
-def shared_columns(tables: Tables, touched: Touched, one: int, other: int) -> int:
+def shared_columns(trees: Trees, touched: Touched, one: int, other: int) -> int:
     """How many columns the links of two places of a tree hang on both."""
     a, b = touched.kind[one, LINK], touched.kind[other, LINK]
     while a != b:
         # Those of unlike trees end at -1, on nothing. A link comes behind its parent.
         if a > b:
-            a = tables.kind[a, tree.PARENT]
+            a = trees.kind[a, tree.PARENT]
         else:
-            b = tables.kind[b, tree.PARENT]
+            b = trees.kind[b, tree.PARENT]
     return int(touched.depth[a]) if a >= 0 else 0
 
 
 @kernel
-def put_block(tables: Tables, touched: Touched, place: int, other: int) -> None:
+def put_block(trees: Trees, touched: Touched, place: int, other: int) -> None:
     """Write the block of a place and another of its tree, and turned as that of the other and this."""
     kind, block, taken = touched.kind, touched.block, touched.taken
     there = kind[place, FIRST_BLOCK] + other - kind[place, BEGIN]
     back = kind[other, FIRST_BLOCK] + place - kind[place, BEGIN]
     for n in range(36):
         block[there, n] = 0.0
-    for m in range(shared_columns(tables, touched, place, other)):
+    for m in range(shared_columns(trees, touched, place, other)):
         struck, moved = kind[place, FIRST_TAKEN] + m, kind[other, FIRST_TAKEN] + m
         for c in range(6):
             left = taken[struck, c]
             for d in range(6):
                 block[there, 6 * c + d] += left * taken[moved, d]
-    for t in range(tables.tie.shape[0]):
+    for t in range(trees.tie.shape[0]):
         struck = kind[place, FIRST_TAKEN] + touched.depth[kind[place, LINK]] + t
         moved = kind[other, FIRST_TAKEN] + touched.depth[kind[other, LINK]] + t
         for c in range(6):
@@ -232,17 +221,17 @@ def put_block(tables: Tables, touched: Touched, place: int, other: int) -> None:
 
 
 @kernel
-def write_responses(tables: Tables, touched: Touched) -> None:
+def write_responses(trees: Trees, touched: Touched) -> None:
     """Write the blocks of G of all links, with the articulated inertia of the last solve."""
     kind = touched.kind
     for k in range(kind.shape[0]):
         if kind[k, LINK] != NOWHERE:
-            take_in(tables, touched, k)
-            give_up_to_ties(tables, touched, k)
+            take_in(trees, touched, k)
+            give_up_to_ties(trees, touched, k)
     for k in range(kind.shape[0]):
         if kind[k, LINK] != NOWHERE:
             for other in range(k, kind[k, END]):
-                put_block(tables, touched, k, other)
+                put_block(trees, touched, k, other)
 
 
 @kernel

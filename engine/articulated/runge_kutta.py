@@ -10,233 +10,191 @@ way [m] is the integral of that of its rate. It lands on the end of a sub-step e
 Source: as `engine.integrate.runge_kutta`.
 """
 
-from typing import Final, NamedTuple
-
-import numpy as np
+from typing import Final
 
 from plumbline.engine.articulated import tables as tree
 from plumbline.engine.articulated.advance import add_reactions, carry_bases, change_rates, free_columns
 from plumbline.engine.articulated.articulated_body import accelerations
-from plumbline.engine.articulated.bounded import solve_laws
+from plumbline.engine.articulated.bounded import STIFF_ALONE, solve_laws
 from plumbline.engine.articulated.forces import load_links, weigh_links
-from plumbline.engine.articulated.laws import STIFF_ALONE
 from plumbline.engine.articulated.motion import move_links, rates_of
-from plumbline.engine.articulated.tables import Tables
+from plumbline.engine.articulated.tables import POSE, Trees
 from plumbline.engine.compile.jit import kernel
-from plumbline.engine.constrain.coordinate import explicit_force
-from plumbline.engine.constrain.stiffness import DAMPED, STIFF
+from plumbline.engine.constrain.coordinate import DAMPED, STIFF, explicit_force
 from plumbline.engine.integrate import runge_kutta as explicit
 from plumbline.engine.integrate.runge_kutta import DORMAND_PRINCE, RK4, Trial, quat_rate
-from plumbline.engine.maths.rows import Floats, load4, store4
+from plumbline.engine.maths.rows import Floats, load4, store3, store4
 from plumbline.engine.maths.vec import quat_unit
 from plumbline.engine.memory import arena as at
-from plumbline.engine.memory.tables import Bodies, Joints
 
-POSE: Final = 7
-"""Numbers of a link's pose in y."""
+CARRIED: Final = 6
+"""Numbers of a joint in y: the impulses that it has carried. Before them stand poses of links, rates, and poses of bases."""
 
 SLOWEST = 1e-3
 """Rates [rad/s or m/s] are taken as at least this large: at a tolerance of 1e-12, what is less of their error is round-off."""
 
 
-class Trees(NamedTuple):
-    """The trees of a world under their loads, and what a step goes back to.
-
-    Terms: ends: as `ends_with_laws`; base (n, 7), carried (joints, 6): the bases' poses and the joints' reactions at its start.
-    """
-
-    tables: Tables
-    bodies: Bodies
-    joints: Joints
-    setting: Floats
-    gyroscopic: int
-    ends: bool
-    base: Floats
-    carried: Floats
-
-
 @kernel
-def push_columns(tables: Tables, joints: Joints) -> None:
+def push_columns(trees: Trees) -> None:
     """Write what springs and drives push now, and rotors, for a stage."""
-    kind, column = tables.kind, tables.column
+    kind, column, joints = trees.kind, trees.column, trees.joints
     for i in range(kind.shape[0]):
         j, k = kind[i, tree.JOINT], kind[i, tree.FIRST]
         if j >= 0 and joints.kind[j, at.HAS] != 0:
             column[k, tree.ADDED] = joints.joint[j, at.ARMATURE]
-            column[k, tree.PUSH] = explicit_force(joints, j, tables.coordinate[i, 0], column[k, tree.RATE])
+            column[k, tree.PUSH] = explicit_force(joints, j, trees.coordinate[i, 0], column[k, tree.RATE])
 
 
 @kernel
-def ends_with_laws(tables: Tables, joints: Joints) -> bool:
+def ends_with_laws(trees: Trees) -> bool:
     """Whether a step ends with a change of rates: there are limits, or springs or drives that are taken implicitly."""
-    for i in range(tables.kind.shape[0]):
-        j = tables.kind[i, tree.JOINT]
-        if j >= 0 and joints.kind[j, at.HAS] & (joints.kind[j, at.IMPLICIT] | at.HAS_LIMITS) != 0:
+    for i in range(trees.kind.shape[0]):
+        j, kind = trees.kind[i, tree.JOINT], trees.joints.kind
+        if j >= 0 and kind[j, at.HAS] & (kind[j, at.IMPLICIT] | at.HAS_LIMITS) != 0:
             return True
     return False
 
 
 @kernel
-def mark_stiff_columns(tables: Tables, bodies: Bodies, joints: Joints, dt: float) -> None:
+def mark_stiff_columns(trees: Trees, dt: float) -> None:
     """Write IMPLICIT for all joints from the present state, by the criterion of `constrain.stiffness`."""
-    kind, column, joint = tables.kind, tables.column, joints.joint
-    move_links(tables, bodies.state)
+    kind, column, joint, joint_kind = trees.kind, trees.column, trees.joints.joint, trees.joints.kind
+    move_links(trees)
     for i in range(kind.shape[0]):
         j, k = kind[i, tree.JOINT], kind[i, tree.FIRST]
-        if j < 0 or joints.kind[j, at.HAS] == 0:
+        if j < 0 or joint_kind[j, at.HAS] == 0:
             continue
-        joints.kind[j, at.IMPLICIT] = 0
-        free_columns(tables, joints)
+        joint_kind[j, at.IMPLICIT] = 0
+        free_columns(trees)
         column[k, tree.PUSH] = 1.0
-        weigh_links(tables)
-        accelerations(tables, False)
-        mobility = column[k, tree.CHANGE]
+        weigh_links(trees)
+        accelerations(trees, False)
+        mobility = trees.along[k, tree.CHANGE]
         for law, has in ((at.SPRING, at.HAS_SPRING), (at.DRIVE, at.HAS_DRIVE)):
             stiff = dt * dt * joint[j, law] * mobility > STIFF or dt * joint[j, law + 1] * mobility > DAMPED
-            if joints.kind[j, at.HAS] & has and stiff:
-                joints.kind[j, at.IMPLICIT] |= has
+            if joint_kind[j, at.HAS] & has and stiff:
+                joint_kind[j, at.IMPLICIT] |= has
         column[k, tree.PUSH] = 0.0
 
 
 @kernel
-def gather(tables: Tables, y: Floats, row: int) -> None:
-    """Write the present coordinates and rates into a row of y."""
-    n = tables.kind.shape[0]
-    for i in range(n):
-        for c in range(POSE):
-            y[row, POSE * i + c] = tables.coordinate[i, c]
-    for k in range(tables.column.shape[0]):
-        y[row, POSE * n + k] = tables.column[k, tree.RATE]
-
-
-@kernel
-def scatter(tables: Tables, y: Floats, row: int) -> None:
-    """Take coordinates and rates from a row of y, orientations as unit ones."""
-    n = tables.kind.shape[0]
-    for i in range(n):
-        for c in range(POSE):
-            tables.coordinate[i, c] = y[row, POSE * i + c]
-        if tables.kind[i, tree.TYPE] == at.BALL or tables.kind[i, tree.TYPE] == tree.FREE:
-            store4(tables.coordinate, i, 0, quat_unit(load4(tables.coordinate, i, 0)))
-    for k in range(tables.column.shape[0]):
-        tables.column[k, tree.RATE] = y[row, POSE * n + k]
-
-
-@kernel
-def trees_of(tables: Tables, bodies: Bodies, joints: Joints, setting: Floats, gyroscopic: int) -> Trees:
-    """The trees of a world."""
-    base, carried = np.zeros((tables.other.shape[0], POSE)), np.zeros((joints.joint.shape[0], 6))
-    return Trees(tables, bodies, joints, setting, gyroscopic, ends_with_laws(tables, joints), base, carried)
-
-
-@kernel
-def room_for_trials(tables: Tables, stages: int) -> Trial:
+def room_for_trials(trees: Trees, stages: int) -> Trial:
     """Room for a step of all trees in so many stages."""
-    return explicit.room_for_trials(POSE * tables.kind.shape[0] + tables.column.shape[0], stages)
+    poses = POSE * (trees.kind.shape[0] + trees.other.shape[0])
+    return explicit.room_for_trials(poses + trees.column.shape[0] + CARRIED * trees.joints.joint.shape[0], stages)
 
 
 @kernel
-def begin(trees: Trees, trial: Trial) -> None:
-    """Note coordinates, rates, poses of bases and reactions as they are."""
-    tables, bodies, joints = trees.tables, trees.bodies, trees.joints
-    gather(tables, trial.y, 0)
-    for n in range(tables.other.shape[0]):
-        for c in range(POSE):
-            trees.base[n, c] = bodies.state[tables.other[n, 0], c]
-    for j in range(trees.carried.shape[0]):
-        for c in range(6):
-            trees.carried[j, c] = joints.joint[j, at.REACTION + c]
+def move(table: Floats, i: int, first: int, count: int, y: Floats, row: int, place: int, back: bool) -> int:
+    """Copy so many numbers of row i of a table into a row of y from `place` on, or back from there. Returns: behind them."""
+    for c in range(count):
+        if back:
+            table[i, first + c] = y[row, place + c]
+        else:
+            y[row, place + c] = table[i, first + c]
+    return place + count
 
 
 @kernel
-def bases_at(trees: Trees, h: float) -> None:
-    """Put the bases where they are h seconds after the step's start."""
-    tables, bodies = trees.tables, trees.bodies
-    for n in range(tables.other.shape[0]):
-        for c in range(POSE):
-            bodies.state[tables.other[n, 0], c] = trees.base[n, c]
-    carry_bases(tables, bodies, h)
+def move_carried(trees: Trees, y: Floats, row: int, back: bool) -> None:
+    """As `move`, of what joints have carried."""
+    place = y.shape[1] - CARRIED * trees.joints.joint.shape[0]
+    for j in range(trees.joints.joint.shape[0]):
+        place = move(trees.joints.joint, j, at.REACTION, CARRIED, y, row, place, back)
+
+
+@kernel
+def move_all(trees: Trees, y: Floats, row: int, back: bool) -> None:
+    """As `move`, of all that is in y; orientations come back as unit ones."""
+    place = 0
+    for i in range(trees.kind.shape[0]):
+        place = move(trees.coordinate, i, 0, POSE, y, row, place, back)
+        if back and trees.kind[i, tree.COLUMNS] > 1:
+            store4(trees.coordinate, i, 0, quat_unit(load4(trees.coordinate, i, 0)))
+    for k in range(trees.column.shape[0]):
+        place = move(trees.column, k, tree.RATE, 1, y, row, place, back)
+    for n in range(trees.other.shape[0]):
+        place = move(trees.bodies.state, trees.other[n, 0], 0, POSE, y, row, place, back)
+    move_carried(trees, y, row, back)
 
 
 @kernel
 def find_accelerations(trees: Trees) -> None:
     """Write the accelerations at the present coordinates and rates."""
-    move_links(trees.tables, trees.bodies.state)
-    push_columns(trees.tables, trees.joints)
-    load_links(trees.tables, trees.bodies, trees.setting, trees.gyroscopic)
-    accelerations(trees.tables, True)
+    move_links(trees)
+    push_columns(trees)
+    load_links(trees)
+    accelerations(trees, True)
 
 
 @kernel
-def write_slope(tables: Tables, k: Floats, stage: int) -> None:
-    """Write the rates of coordinates and rates into row `stage` of k."""
-    coordinate, column, kind = tables.coordinate, tables.column, tables.kind
+def write_slope(trees: Trees, k: Floats, stage: int) -> None:
+    """Write the slopes of coordinates, rates and what joints carry into row `stage` of k; bases go their own way."""
+    column, kind = trees.column, trees.kind
     n = kind.shape[0]
     for i in range(n):
-        first, offset = kind[i, tree.FIRST], POSE * i
-        if kind[i, tree.TYPE] == at.REVOLUTE or kind[i, tree.TYPE] == at.PRISMATIC:
-            k[stage, offset] = column[first, tree.RATE]
-        elif kind[i, tree.TYPE] == at.BALL or kind[i, tree.TYPE] == tree.FREE:
-            store4(k, stage, offset, quat_rate(load4(coordinate, i, 0), rates_of(tables, first)))
-        if kind[i, tree.TYPE] == tree.FREE:
-            for c in range(3):
-                k[stage, offset + tree.POSITION + c] = column[first + 3 + c, tree.RATE]
+        first, place = kind[i, tree.FIRST], POSE * i
+        if kind[i, tree.COLUMNS] == 1:
+            k[stage, place] = column[first, tree.RATE]
+        elif kind[i, tree.COLUMNS] > 1:
+            store4(k, stage, place, quat_rate(load4(trees.coordinate, i, 0), rates_of(trees, first)))
+            if kind[i, tree.TYPE] == tree.FREE:
+                store3(k, stage, place + tree.POSITION, rates_of(trees, first + 3))
     for c in range(column.shape[0]):
-        k[stage, POSE * n + c] = column[c, tree.CHANGE]
+        k[stage, POSE * n + c] = trees.along[c, tree.CHANGE]
+    for j in range(trees.joints.joint.shape[0]):
+        for c in range(CARRIED):
+            trees.joints.joint[j, at.REACTION + c] = 0.0
+    add_reactions(trees, 1.0)
+    move_carried(trees, k, stage, False)
 
 
 @kernel
 def go_through_stages(h: float, method: Floats, trees: Trees, trial: Trial) -> None:
-    """Go on by h from y, where accelerations are known, to its end, counting what joints carry.
+    """Go on by h from y, where accelerations are known, to its end.
 
     Args: method: as `RK4`. Where there are as many slopes as rows, the end has one as well.
     """
-    tables, k, a, last = trees.tables, trial.k, method, method.shape[0] - 1
-    write_slope(tables, k, 0)
-    add_reactions(tables, trees.joints, h * a[last, 0])
-    for i in range(1, last + 1):
+    write_slope(trees, trial.k, 0)
+    for i in range(1, method.shape[0]):
         explicit.go_to_stage(trial, method, i, h)
-        scatter(tables, trial.y, 1)
-        bases_at(trees, a[i, a.shape[1] - 1] * h)
-        if i < k.shape[0]:
+        move_all(trees, trial.y, 1, True)
+        carry_bases(trees, method[i, method.shape[1] - 1] * h)
+        if i < trial.k.shape[0]:
             find_accelerations(trees)
-            if i < last:
-                add_reactions(tables, trees.joints, h * a[last, i])
-            write_slope(tables, k, i)
+            write_slope(trees, trial.k, i)
+    move_carried(trees, trial.y, 1, True)
 
 
 @kernel
 def act_at_end(h: float, trees: Trees) -> bool:
     """Let limits, and what is too stiff for stages, change the rates after a step h. Returns: whether laws had an answer."""
-    tables, bodies, joints = trees.tables, trees.bodies, trees.joints
-    if not trees.ends:
-        return True
-    move_links(tables, bodies.state)
-    if not solve_laws(tables, bodies, joints, trees.setting, h, trees.gyroscopic, STIFF_ALONE):
+    move_links(trees)
+    if not solve_laws(trees, h, STIFF_ALONE):
         return False
-    add_reactions(tables, joints, h)
-    change_rates(tables, h)
+    add_reactions(trees, h)
+    change_rates(trees, h)
     return True
 
 
 @kernel
 def runge_kutta(h: float, trees: Trees, trial: Trial) -> bool:
     """Advance all trees and bases by h, counting what joints carry. Returns: whether the laws had an answer."""
-    begin(trees, trial)
+    move_all(trees, trial.y, 0, False)
     find_accelerations(trees)
     go_through_stages(h, RK4, trees, trial)
-    return act_at_end(h, trees)
+    return not ends_with_laws(trees) or act_at_end(h, trees)
 
 
 @kernel
 def attempt(h: float, trees: Trees, trial: Trial) -> float:
     """A trial step. Returns: the larger error of rates, relative to all of them, and of any orientation or hinge [rad]."""
-    kind, k, n = trees.tables.kind, trial.k, trees.tables.kind.shape[0]
+    n = trees.kind.shape[0]
     go_through_stages(h, DORMAND_PRINCE, trees, trial)
-    error, fastest = explicit.error_of(trial, h, POSE * n, k.shape[1])
+    error, fastest = explicit.error_of(trial, h, POSE * n, POSE * n + trees.column.shape[0])
     largest = error / max(fastest, SLOWEST)
     for i in range(n):
-        if kind[i, tree.TYPE] != at.PRISMATIC:
+        if trees.kind[i, tree.TYPE] != at.PRISMATIC:
             turn, _ = explicit.error_of(trial, h, POSE * i, POSE * i + 4)
             # A sum is not finite if any part is not, while a maximum may pass it over.
             largest = turn if not turn <= largest else largest
@@ -246,19 +204,12 @@ def attempt(h: float, trees: Trees, trial: Trial) -> float:
 @kernel
 def finish(h: float, taken: bool, trees: Trees, trial: Trial) -> bool:
     """End a step that is taken, or go back to its start. Returns: whether the laws had an answer."""
-    if taken:
-        if not act_at_end(h, trees):
-            return False
-        if trees.ends:
-            find_accelerations(trees)
-        begin(trees, trial)
-        return True
-    scatter(trees.tables, trial.y, 0)
-    bases_at(trees, 0.0)
-    for j in range(trees.carried.shape[0]):
-        for c in range(6):
-            trees.joints.joint[j, at.REACTION + c] = trees.carried[j, c]
-    find_accelerations(trees)
+    ends = ends_with_laws(trees)
+    if taken and ends and not act_at_end(h, trees):
+        return False
+    move_all(trees, trial.y, 0, not taken)
+    if ends or not taken:
+        find_accelerations(trees)
     return True
 
 
@@ -268,9 +219,9 @@ def dormand_prince(end: float, trees: Trees, trial: Trial) -> bool:
 
     Returns: whether they sufficed, and the laws had an answer.
     """
-    passage, tolerance = trees.tables.passage, trees.setting[0, at.STEP_TOLERANCE]
+    passage, tolerance = trees.passage, trees.setting[0, at.STEP_TOLERANCE]
     find_accelerations(trees)
-    begin(trees, trial)
+    move_all(trees, trial.y, 0, False)
     stride = explicit.adapt(passage[0, tree.KEPT_STRIDE], end, tolerance, attempt, finish, trees, trial)
     if stride < 0.0:
         return False

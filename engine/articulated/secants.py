@@ -13,25 +13,22 @@ import math
 from typing import Final
 
 from plumbline.engine.articulated import tables as tree
-from plumbline.engine.articulated.momenta import centre_velocity, put_force
-from plumbline.engine.articulated.motion import rates_of
-from plumbline.engine.articulated.tables import Tables
+from plumbline.engine.articulated.forces import centre_velocity, put_force
+from plumbline.engine.articulated.motion import UPRIGHT, rates_of
+from plumbline.engine.articulated.spatial import STILL, sliding, sub6, turning
+from plumbline.engine.articulated.tables import Trees
 from plumbline.engine.compile.jit import kernel
 from plumbline.engine.maths.elementary import atan2, cos_sin
 from plumbline.engine.maths.floats import fma
-from plumbline.engine.maths.rows import Quat, Vec, load3, load4, load6, store3, store4
-from plumbline.engine.maths.vec import add, axpy, cross, dot, quat_mul, scale, sub, sym_vec
+from plumbline.engine.maths.rows import Quat, Vec, load3, load4, load6, store3, store4, store6
+from plumbline.engine.maths.vec import add, axpy, cross, dot, neg, quat_mul, scale, sub, sym_vec
 from plumbline.engine.memory import arena as at
-from plumbline.engine.memory.tables import Bodies
 
 SMALL: Final = 2.5e-3
 """The square of half an angle, or of its sine, up to which the series here are as good as round-off: below 1e-17 is left."""
 
 FAR: Final = 2.0
 """An angle [rad] from which on a turn may be meant as one by more than half a round, or the other way."""
-
-NO_TURN: Quat = (1.0, 0.0, 0.0, 0.0)
-STILL: Vec = (0.0, 0.0, 0.0)
 
 
 @kernel
@@ -80,29 +77,29 @@ def angular_velocity(d: Quat, h: float, near: Vec) -> Vec:
 
 
 @kernel
-def base_end(tables: Tables, bodies: Bodies, i: int, h: float) -> tuple[Quat, Vec]:
+def base_end(trees: Trees, i: int, h: float) -> tuple[Quat, Vec]:
     """The turn of the base of root i in h seconds, and the way of the tree's origin on it."""
-    state, b = bodies.state, tables.kind[i, tree.BASE]
-    if bodies.kind[b, at.MOTION] != at.KINEMATIC:
-        return NO_TURN, STILL
+    state, b = trees.bodies.state, trees.kind[i, tree.BASE]
+    if trees.bodies.kind[b, at.MOTION] != at.KINEMATIC:
+        return UPRIGHT, STILL
     d = turn_by(scale(h, load3(state, b, at.W)))
-    arm = sub(load3(tables.motion, i, tree.ORIGIN), load3(state, b, at.P))
+    arm = sub(load3(trees.motion, i, tree.ORIGIN), load3(state, b, at.P))
     return d, axpy(h, load3(state, b, at.V), moved_by(d, arm))
 
 
 @kernel
-def go_to_end(tables: Tables, bodies: Bodies, i: int, h: float) -> tuple[Quat, Vec]:
+def go_to_end(trees: Trees, i: int, h: float) -> tuple[Quat, Vec]:
     """The turn of link i in h seconds by the present rates, and the way of its centre of mass, its parent's being known."""
-    passage, motion, column = tables.passage, tables.motion, tables.column
-    kind, parent, k = tables.kind[i, tree.TYPE], tables.kind[i, tree.PARENT], tables.kind[i, tree.FIRST]
+    passage, motion, column = trees.passage, trees.motion, trees.column
+    kind, parent, k = trees.kind[i, tree.TYPE], trees.kind[i, tree.PARENT], trees.kind[i, tree.FIRST]
     if kind == tree.FREE:
-        return turn_by(scale(h, rates_of(tables, k))), scale(h, rates_of(tables, k + 3))
+        return turn_by(scale(h, rates_of(trees, k))), scale(h, rates_of(trees, k + 3))
     anchor = load3(passage, i, tree.ANCHOR_W)
     if parent >= 0:
         d = load4(passage, parent, tree.TURNING)
         way = add(load3(passage, parent, tree.WAY), moved_by(d, sub(anchor, load3(motion, parent, tree.PLACE))))
     else:
-        d, way = base_end(tables, bodies, i, h)
+        d, way = base_end(trees, i, h)
         way = add(way, moved_by(d, anchor))
     if kind == at.REVOLUTE:
         d = quat_mul(d, turn_by(scale(h * column[k, tree.RATE], load3(column, k, tree.AXIS_W))))
@@ -110,29 +107,24 @@ def go_to_end(tables: Tables, bodies: Bodies, i: int, h: float) -> tuple[Quat, V
         n = load3(column, k, tree.AXIS_W + 3)
         way = axpy(h * column[k, tree.RATE], add(n, moved_by(d, n)), way)
     elif kind == at.BALL:
-        x, y, z = rates_of(tables, k)
-        w = axpy(
-            x,
-            load3(column, k, tree.AXIS_W),
-            axpy(y, load3(column, k + 1, tree.AXIS_W), scale(z, load3(column, k + 2, tree.AXIS_W))),
-        )
+        w = scale(column[k + 2, tree.RATE], load3(column, k + 2, tree.AXIS_W))
+        for c in (k + 1, k):
+            w = axpy(column[c, tree.RATE], load3(column, c, tree.AXIS_W), w)
         d = quat_mul(d, turn_by(scale(h, w)))
     return d, add(way, moved_by(d, sub(load3(motion, i, tree.PLACE), anchor)))
 
 
 @kernel
-def bend_links(tables: Tables, bodies: Bodies, h: float) -> None:
+def bend_links(trees: Trees, h: float) -> None:
     """Write the bend of every link at the present rates, and the force that it needs for what is new of it."""
-    link, motion, passage = tables.link, tables.motion, tables.passage
-    for i in range(link.shape[0]):
-        d, shift = go_to_end(tables, bodies, i, h)
+    passage = trees.passage
+    for i in range(trees.link.shape[0]):
+        d, shift = go_to_end(trees, i, h)
         store4(passage, i, tree.TURNING, d)
         store3(passage, i, tree.WAY, shift)
-        tangent = load3(motion, i, tree.VELOCITY)
-        turning = sub(angular_velocity(d, h, tangent), tangent)
-        sliding = axpy(1.0 / h, shift, scale(-1.0, centre_velocity(tables, i)))
-        more_w, more_v = sub(turning, load3(passage, i, tree.BEND)), sub(sliding, load3(passage, i, tree.BEND + 3))
-        store3(passage, i, tree.BEND, turning)
-        store3(passage, i, tree.BEND + 3, sliding)
-        torque = sym_vec(load6(passage, i, tree.TURNED_INERTIA), more_w)
-        put_force(tables, i, scale(1.0 / h, torque), scale(link[i, tree.MASS] / h, more_v))
+        tangent, last = load3(trees.motion, i, tree.VELOCITY), load6(passage, i, tree.BEND)
+        bend = (*sub(angular_velocity(d, h, tangent), tangent), *axpy(1.0 / h, shift, neg(centre_velocity(trees, i))))
+        store6(passage, i, tree.BEND, bend)
+        more = sub6(bend, last)
+        torque = sym_vec(load6(passage, i, tree.TURNED_INERTIA), turning(more))
+        put_force(trees, i, scale(1.0 / h, torque), scale(trees.link[i, tree.MASS] / h, sliding(more)))

@@ -20,22 +20,34 @@ section VII.1.4; Leimkuhler, Patrick, A symplectic integrator for Riemannian man
 """
 
 import math
+from typing import Final
 
 from plumbline.engine.articulated import tables as tree
-from plumbline.engine.articulated.advance import add_reactions, change_rates, drift_coordinates
-from plumbline.engine.articulated.articulated_body import answer_forces
-from plumbline.engine.articulated.bounded import MOST_TURNS, are_settled, settle_laws, start_again, start_laws
-from plumbline.engine.articulated.laws import ALL, write_laws
+from plumbline.engine.articulated.advance import answer_forces, carry_bases, drift_coordinates, take_changes
+from plumbline.engine.articulated.bounded import (
+    ALL,
+    MOST_TURNS,
+    are_settled,
+    settle_laws,
+    start_again,
+    start_laws,
+    write_laws,
+)
+from plumbline.engine.articulated.contact_euler import (
+    Touching,
+    answer_given,
+    begin_loops,
+    move_others,
+    relax,
+    settle_contacts,
+    start_contacts,
+)
 from plumbline.engine.articulated.momenta import go_on_bending, keep_momenta
 from plumbline.engine.articulated.motion import move_links
 from plumbline.engine.articulated.secants import bend_links
-from plumbline.engine.articulated.tables import Tables
-from plumbline.engine.articulated.tendons import write_tendons
+from plumbline.engine.articulated.tables import Trees
 from plumbline.engine.compile.jit import kernel
-from plumbline.engine.maths.rows import Floats, load3, store3
-from plumbline.engine.maths.vec import axpy
 from plumbline.engine.memory import arena as at
-from plumbline.engine.memory.tables import Bodies, Joints
 
 FORGOTTEN = 2.0
 """By how much the share of a change that a round leaves may have grown from one sub-step to the next."""
@@ -44,58 +56,72 @@ MOST_ROUNDS = 50
 """Three are needed where h times the angular velocities is small; more than these where the step is far too long."""
 
 
+UNSEEN: Final = 1e-17
+"""The square of a turn [rad] in a sub-step up to which its bends change no coordinate: below a tenth of the rounding of one."""
+
+
 @kernel
-def take_changes(tables: Tables, joints: Joints, h: float, reactions: bool) -> None:
-    """Change rates, and velocities of links along the tangent, by h times what was solved for; count what joints carry."""
-    if reactions:
-        add_reactions(tables, joints, h)
-    change_rates(tables, h)
-    motion = tables.motion
+def stands(trees: Trees, h: float) -> bool:
+    """Whether all turns of a machine in a sub-step are so small that what they bend, a product of two of them, is not seen."""
+    motion, column, most = trees.motion, trees.column, 0.0
     for i in range(motion.shape[0]):
-        for c in (0, 3):
-            a = load3(motion, i, tree.ACCELERATION + c)
-            store3(motion, i, tree.VELOCITY + c, axpy(h, a, load3(motion, i, tree.VELOCITY + c)))
+        for c in range(3):
+            most += abs(motion[i, tree.VELOCITY + c])
+    for k in range(column.shape[0]):
+        most += abs(column[k, tree.RATE])
+    return h * most * (h * most) <= UNSEEN
 
 
 @kernel
-def semi_implicit_euler(
-    tables: Tables, bodies: Bodies, joints: Joints, setting: Floats, h: float, gyroscopic: int, reactions: bool
-) -> bool:
-    """Advance all trees by h. Args: reactions: whether to count what joints carry. Returns: whether the laws had an answer."""
-    move_links(tables, bodies.state)
-    go_on_bending(tables)
-    start_laws(tables)
-    breaks = write_laws(tables, joints, h, ALL) + write_tendons(tables, h)
-    for turn in range(MOST_TURNS if breaks > 0 else 1):
-        if turn > 0:
-            if are_settled(tables, joints, setting, h):
-                break
-            start_again(tables, bodies, joints, setting, h, gyroscopic, ALL, reactions)
-        if not settle_laws(tables, bodies, joints, setting, h, gyroscopic, ALL, breaks):
-            return False
-        take_changes(tables, joints, h, reactions)
-        close_bends(tables, bodies, joints, setting, h, reactions)
-    keep_momenta(tables, gyroscopic)
-    drift_coordinates(tables, h)
-    return True
-
-
-@kernel
-def close_bends(tables: Tables, bodies: Bodies, joints: Joints, setting: Floats, h: float, reactions: bool) -> None:
-    """Change the rates until they take the momenta along the bends that they make themselves. Args: as above.
+def close_bends(trees: Trees, h: float, reactions: bool) -> None:
+    """Change the rates until they take the momenta along the bends that they make themselves.
 
     The first change says of the next what the last sub-step knew, unless it is a surprise itself; then each two say.
     """
-    before, left = math.inf, tables.passage[0, tree.CONTRACTION]
+    before, left = math.inf, trees.passage[0, tree.CONTRACTION]
     for turn in range(MOST_ROUNDS):
-        bend_links(tables, bodies, h)
-        change, rate = answer_forces(tables, h)
-        if reactions:
-            add_reactions(tables, joints, h)
+        bend_links(trees, h)
+        change, rate = answer_forces(trees, h, reactions)
         if turn > 0:
             left = change / before
         surprise = change / rate if turn == 0 and rate > 0.0 else 0.0
-        if change * max(left, surprise) <= setting[0, at.STEP_TOLERANCE] * rate or change >= before:
+        if change * max(left, surprise) <= trees.setting[0, at.STEP_TOLERANCE] * rate or change >= before:
             break
         before = change
-    tables.passage[0, tree.CONTRACTION] = min(FORGOTTEN * left, 1.0)
+    trees.passage[0, tree.CONTRACTION] = min(FORGOTTEN * left, 1.0)
+
+
+@kernel
+def semi_implicit_euler(trees: Trees, touching: Touching | None, h: float, substep: int, reactions: bool) -> bool:
+    """Advance all trees and bases by a sub-step h, and the free bodies that contacts touch.
+
+    Args: touching: what else holds them, or None; reactions: whether to count what joints carry.
+    Returns: whether the laws had an answer.
+    """
+    begin_loops(trees, touching, h)
+    move_others(trees, touching, h, drifts=False)
+    move_links(trees)
+    go_on_bending(trees)
+    times = start_contacts(trees, touching, h, substep)
+    start_laws(trees)
+    breaks = write_laws(trees, h, ALL)
+    for turn in range(MOST_TURNS if breaks > 0 else 1):
+        if turn > 0:
+            if are_settled(trees, h):
+                break
+            start_again(trees, h, reactions)
+        if not settle_laws(trees, h, ALL, breaks) or not settle_contacts(trees, touching, breaks, times, reactions):
+            return False
+        take_changes(trees, h, reactions)
+        if breaks == 0:
+            answer_given(trees, touching, h, reactions)
+        if touching is not None and turn == 0 and stands(trees, h):
+            bend_links(trees, h)
+        else:
+            close_bends(trees, h, reactions)
+    drift_coordinates(trees, h)
+    carry_bases(trees, h)
+    move_others(trees, touching, h, drifts=True)
+    relax(trees, touching, times, reactions)
+    keep_momenta(trees)
+    return True

@@ -64,36 +64,32 @@ def mechanisms(beside: Sequence[Sequence[int]]) -> list[list[int]]:
     parts = []
     for j in range(len(beside)):
         if j not in seen:
-            part = _layers(j, beside)
-            seen.update(part)
-            parts.append(part)
+            parts.append(list(_found_from(j, beside)))
+            seen.update(parts[-1])
     return parts
 
 
 def _best(part: Sequence[int], beside: Sequence[Sequence[int]], joints: Sequence[Joint]) -> list[int]:
     """The cheapest order of one mechanism among those tried; the first one of equals."""
     starts = sorted(part, key=lambda j: (len(beside[j]), j))[:TRIED]
-    starts += [_layers(j, beside)[-1] for j in starts[:4]]
+    starts += [list(_found_from(j, beside))[-1] for j in starts[:4]]
     orders = [sorted(part)]
     for j in dict.fromkeys(starts):
-        orders += [_layers(j, beside)[::-1], _children_first(j, beside)]
+        orders += [list(_found_from(j, beside))[::-1], _children_first(j, beside)]
     costs = [factor_cost(order, beside, joints) for order in orders]
     return orders[costs.index(min(costs))]
 
 
-def _layers(start: int, beside: Sequence[Sequence[int]]) -> list[int]:
-    """Breadth first from a joint, those with few neighbours first: Cuthill-McKee, to be reversed."""
-    return list(_found_from(start, beside))
-
-
 def _found_from(start: int, beside: Sequence[Sequence[int]]) -> dict[int, int]:
-    """For each joint of a mechanism, breadth first from one of them, the joint from which it was found."""
-    found = {start: start}
-    order = [start]
+    """For each joint of a mechanism, breadth first from one of them, the joint from which it was found.
+
+    Those with few neighbours come first: Cuthill-McKee, to be reversed.
+    """
+    found, order = {start: start}, [start]
     for j in order:
-        for k in sorted((k for k in beside[j] if k not in found), key=lambda k: (len(beside[k]), k)):
-            found[k] = j
-            order.append(k)
+        new = sorted((k for k in beside[j] if k not in found), key=lambda k: (len(beside[k]), k))
+        found.update(dict.fromkeys(new, j))
+        order += new
     return found
 
 

@@ -74,27 +74,21 @@ def from_z(n: Floats) -> Floats:
     return unit(q)
 
 
-def _closed_form(shape: Shape) -> tuple[int, list[float], float, Floats]:
-    """Type, three sizes, bounding radius and own turn of a shape that a few numbers describe."""
-    turn = np.array([1.0, 0.0, 0.0, 0.0])
-    if isinstance(shape, Sphere):
-        return at.SPHERE, [shape.radius, 0.0, 0.0], shape.radius, turn
-    if isinstance(shape, Box):
-        return at.BOX, list(shape.half_extents), float(norm(np.asarray(shape.half_extents, float))), turn
-    if isinstance(shape, Capsule):
-        return at.CAPSULE, [shape.radius, shape.half_length, 0.0], shape.radius + shape.half_length, turn
-    if isinstance(shape, Cylinder):
-        return (
-            at.CYLINDER,
-            [shape.radius, shape.half_length, 0.0],
-            float(norm(np.array([shape.radius, shape.half_length]))),
-            turn,
-        )
-    if isinstance(shape, Ellipsoid):
-        return at.ELLIPSOID, list(shape.semi_axes), float(max(shape.semi_axes)), turn
-    if isinstance(shape, Plane):
-        normal = np.asarray(shape.normal, float)
-        return at.PLANE, [0.0, 0.0, 0.0], math.inf, from_z(unit(normal))
+def _closed_form(shape: Shape) -> tuple[int, tuple[float, float, float], float]:
+    """Type, three sizes and bounding radius [m] of a shape that a few numbers describe."""
+    match shape:
+        case Sphere(radius):
+            return at.SPHERE, (radius, 0.0, 0.0), radius
+        case Box((x, y, z)):
+            return at.BOX, (x, y, z), float(norm(np.array([x, y, z], float)))
+        case Capsule(radius, half_length):
+            return at.CAPSULE, (radius, half_length, 0.0), radius + half_length
+        case Cylinder(radius, half_length):
+            return at.CYLINDER, (radius, half_length, 0.0), float(norm(np.array([radius, half_length])))
+        case Ellipsoid((x, y, z)):
+            return at.ELLIPSOID, (x, y, z), float(max(x, y, z))
+        case Plane():
+            return at.PLANE, (0.0, 0.0, 0.0), math.inf
     raise TypeError(f"{type(shape).__name__} is made of several numbers")
 
 
@@ -154,6 +148,8 @@ def body_solids(body: Body) -> Iterator[Solid]:
             for face, inner in zip(faces, inner_edges(vertices, faces), strict=True):
                 yield _triangle(vertices[face], int(inner), offset, turn, part)
         else:
-            kind, size, radius, own = _closed_form(shape)
+            kind, size, radius = _closed_form(shape)
             made = box_polyhedron(shape.half_extents) if isinstance(shape, Box) else None
-            yield Solid(kind, (size[0], size[1], size[2]), radius, offset, quat_mul(turn, own), part, made)
+            if isinstance(shape, Plane):
+                turn = quat_mul(turn, from_z(unit(np.asarray(shape.normal, float))))
+            yield Solid(kind, size, radius, offset, turn, part, made)

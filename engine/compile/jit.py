@@ -93,7 +93,7 @@ def stream(function: Function) -> Function:
     Args: function: numbers, tuples and arrays only; no array shares memory with another that is written.
     Returns: the same function, compiled on first use for the argument types that it meets.
     """
-    return _compiled(function, **(linker().stream_options() if linker() else {}))
+    return _compiled(function, **(linker().OPTIONS["stream"] if linker() else {}))
 
 
 def inlined(function: Function) -> Function:
@@ -150,7 +150,7 @@ def _linked(function: Function, kind: str) -> Function:
     link = linker()
     if link is None:
         return _compiled(function)
-    return cast(Function, link.for_all_values(_compiled(function, **getattr(link, f"{kind}_options")())))
+    return cast(Function, link.for_all_values(_compiled(function, **link.OPTIONS[kind])))
 
 
 def _kept(function: Function, **options: Any) -> Function:
@@ -162,9 +162,8 @@ def _kept(function: Function, **options: Any) -> Function:
         with suppress(OSError):
             make_directory(directory)
         return _compiled(function, cache=True, **options)
-    kept = _compiled(function, **link.entry_options(), **options)
-    guarded = link.compiled_under(kept, partial(_one_at_a_time, directory))
-    return cast(Function, link.loaded_lightly(guarded, directory))
+    made = _compiled(function, **link.OPTIONS["entry"], **options)
+    return cast(Function, link.kept(made, directory, partial(_one_at_a_time, directory)))
 
 
 @contextmanager

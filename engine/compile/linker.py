@@ -7,12 +7,12 @@ is cleaned up and no more. It is compiled by half of Numba's passes; what an ope
 process; a call of a kernel that raises nothing does not look at how it ended; and an array is a table to it (`table_type`).
 """
 
-import io
+import hashlib
 import operator
 import pickle
-from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, contextmanager
-from functools import cache
+import sys
+from collections.abc import Callable
+from contextlib import AbstractContextManager
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, TypeVar, cast
@@ -20,11 +20,20 @@ from typing import Any, TypeVar, cast
 import llvmlite.binding
 import numba
 import numpy as np
-from numba.core import compiler_machinery, environment, ir, ir_utils, lowering, typed_passes, untyped_passes
-from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataCacheFile, UserProvidedCacheLocator
+from numba.core import (
+    compiler,
+    compiler_machinery,
+    environment,
+    ir,
+    ir_utils,
+    lowering,
+    serialize,
+    typed_passes,
+    untyped_passes,
+)
 from numba.core.codegen import JITCodeLibrary
-from numba.core.compiler import CompilerBase, DefaultPassBuilder
 from numba.core.runtime.nrt import rtsys
+from numba.extending import intrinsic
 
 from plumbline.engine.compile.kernel_cache import read_checked, write_checked
 from plumbline.engine.compile.table_type import Table, as_given, get_item, set_item, within
@@ -32,11 +41,10 @@ from plumbline.engine.compile.table_type import Table, as_given, get_item, set_i
 Function = TypeVar("Function", bound=Callable[..., Any])
 types: Any = numba.types
 llvm: Any = llvmlite.binding
-Base: Any = CompilerBase
-Builder: Any = DefaultPassBuilder
+Base: Any = compiler.CompilerBase
+Builder: Any = compiler.DefaultPassBuilder
+Result: Any = compiler.CompileResult
 Environment: Any = environment
-Files: Any = IndexDataCacheFile
-Results: Any = CompileResultCacheImpl
 Library: Any = JITCodeLibrary
 Lower: Any = lowering.Lower
 Statements: Any = ir
@@ -78,12 +86,11 @@ class KernelLibrary(Library):
         self._finalized = True
 
     def add_ir_module(self, module: Any) -> None:
-        """Take in what Numba wrote, cleaned up, and let go of the text."""
+        """Take in what Numba wrote, cleaned up."""
         self.raises = may_raise(module)
         if self.seldom:
             keep_apart(module)
         super().add_ir_module(module)
-        forget(module)
 
     def _optimize_functions(self, module: Any) -> None:
         tidy(module, self._codegen, self.inline)
@@ -186,15 +193,6 @@ def keep_apart(module: Any) -> None:
         if function.blocks:
             for attribute in ("cold", "noinline", "optsize"):
                 function.attributes.add(attribute)
-
-
-def forget(module: Any) -> None:
-    """Let go of the instructions of a module that has been read: each knows the block that it stands in."""
-    for function in module.functions:
-        for block in function.blocks:
-            block.instructions.clear()
-            block.terminator = None
-        function.blocks.clear()
 
 
 class LowerKernel(Lower):
@@ -313,12 +311,6 @@ MAKERS = frozenset({"call", "binop", "inplace_binop", "unary", "arrayexpr"})
 """The operations that may make an array; others look into one that is held elsewhere."""
 
 
-class Passes(machinery.PassManager):
-    """Numba's passes in turn, without a whole analysis of variables after each of them: those that need it ask for it."""
-
-    _ENFORCING = False
-
-
 @machinery.register_pass(mutates_CFG=True, analysis_only=False)
 class InferTypes(typed.NopythonTypeInference):
     """As Numba does, with remembered answers."""
@@ -387,119 +379,67 @@ class WriteKernel(typed.BaseNativeLowering):
         return LowerKernel
 
 
-@machinery.register_pass(mutates_CFG=False, analysis_only=True)
-class Forget(machinery.AnalysisPass):
-    """Lets go of what a kernel was made of: its statements know one another, and Python would have to search for them."""
-
-    _name = "plumbline_forget"
-
-    def __init__(self) -> None:
-        machinery.AnalysisPass.__init__(self)
-
-    def run_pass(self, state: Any) -> bool:
-        """Clear all blocks."""
-        for block in state.func_ir.blocks.values():
-            block.body.clear()
-        return True
-
-
 KERNEL_PASSES = (
     *(untyped.TranslateByteCode, untyped.FixupArgs, untyped.IRProcessing, untyped.RewriteSemanticConstants),
     *(untyped.DeadBranchPrune, untyped.GenericRewrites, untyped.ReconstructSSA, InferTypes, typed.PreLowerStripPhis),
-    *(typed.IRLegalization, CountNothing, WriteKernel, typed.NoPythonBackend, Forget),
+    *(typed.IRLegalization, CountNothing, WriteKernel, typed.NoPythonBackend),
 )
 
 
-def kernel_passes() -> Any:
-    """The passes of a function that only compiled functions call."""
-    manager = Passes("kernel")
-    for one in KERNEL_PASSES:
-        manager.add_pass(one, one.name())
-    manager.finalize()
-    return manager
-
-
-@cache
-def kernel_compiler() -> type:
+class KernelCompiler(Base):
     """Numba's compiler for functions that are only ever linked into others."""
-    return _compiler(_into_kernel, lambda _: kernel_passes())
+
+    seldom = False
+
+    def define_pipelines(self) -> list[Any]:
+        """One, into a module that waits to be linked, without a whole analysis of variables after each pass."""
+        self.state.library = KernelLibrary(self.state.targetctx.codegen(), self.state.func_id.func_qualname)
+        self.state.library.inline, self.state.library.seldom = not self.state.flags.forceinline, self.seldom
+        manager = machinery.PassManager("kernel")
+        manager._ENFORCING = False
+        for one in KERNEL_PASSES:
+            manager.add_pass(one, one.name())
+        manager.finalize()
+        return [manager]
 
 
-@cache
-def seldom_compiler() -> type:
-    """As `kernel_compiler`, for functions that stay functions, and small."""
+class SeldomCompiler(KernelCompiler):
+    """The same for functions that stay functions, and small."""
 
-    def prepare(state: Any) -> None:
-        _into_kernel(state)
-        state.library.seldom = True
-
-    return _compiler(prepare, lambda _: kernel_passes())
+    seldom = True
 
 
-@cache
-def stream_compiler() -> type:
+class StreamCompiler(Base):
     """Numba's compiler with the promise that arrays do not overlap, which it knows as a flag but not as an option.
 
     It optimises such a function before the entry takes it in.
     """
 
-    def prepare(state: Any) -> None:
-        state.flags.noalias = True
+    def define_pipelines(self) -> list[Any]:
+        """Numba's own, so flagged."""
+        self.state.flags.noalias = True
+        return [Builder.define_nopython_pipeline(self.state)]
 
-    return _compiler(prepare, Builder.define_nopython_pipeline)
 
-
-@cache
-def entry_compiler() -> type:
+class EntryCompiler(Base):
     """Numba's compiler for functions that Python calls: they keep the kernels they were linked with to themselves."""
 
-    def prepare(state: Any) -> None:
-        state.library = EntryLibrary(state.targetctx.codegen(), state.func_id.func_qualname)
-        state.library.enable_object_caching()
-
-    return _compiler(prepare, Builder.define_nopython_pipeline)
-
-
-def _into_kernel(state: Any) -> None:
-    """Have a function compiled into a module that waits to be linked."""
-    state.library = KernelLibrary(state.targetctx.codegen(), state.func_id.func_qualname)
-    state.library.inline = not state.flags.forceinline
+    def define_pipelines(self) -> list[Any]:
+        """Numba's own, into one program."""
+        self.state.library = EntryLibrary(self.state.targetctx.codegen(), self.state.func_id.func_qualname)
+        self.state.library.enable_object_caching()
+        return [Builder.define_nopython_pipeline(self.state)]
 
 
-def _compiler(prepare: Callable[[Any], None], passes: Callable[[Any], Any]) -> type:
-    """A compiler of these passes, its state prepared before they are chosen."""
-
-    class Compiler(Base):
-        def define_pipelines(self) -> list[Any]:
-            prepare(self.state)
-            return [passes(self.state)]
-
-    return Compiler
-
-
-def entry_options() -> dict[str, Any]:
-    """What `njit` is told of a function that Python calls."""
-    return {"pipeline_class": entry_compiler()}
-
-
-def kernel_options() -> dict[str, Any]:
-    """What `njit` is told of a function that only compiled functions call."""
-    return {"forceinline": False, "no_cpython_wrapper": True, "no_cfunc_wrapper": True, "pipeline_class": kernel_compiler()}
-
-
-def seldom_options() -> dict[str, Any]:
-    """As `kernel_options`, never put in place of a call."""
-    return kernel_options() | {"pipeline_class": seldom_compiler()}
-
-
-def stream_options() -> dict[str, Any]:
-    """As `kernel_options`, where arrays do not overlap."""
-    return kernel_options() | {"pipeline_class": stream_compiler()}
-
-
-def inlined_options() -> dict[str, Any]:
-    """As `kernel_options`, put in place of every call."""
-    return kernel_options() | {"forceinline": True}
+_UNCALLED = {"forceinline": False, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+OPTIONS: dict[str, dict[str, Any]] = {
+    "entry": {"pipeline_class": EntryCompiler},
+    "kernel": {**_UNCALLED, "pipeline_class": KernelCompiler},
+    "seldom": {**_UNCALLED, "pipeline_class": SeldomCompiler},
+    "stream": {**_UNCALLED, "pipeline_class": StreamCompiler},
+    "inlined": {**_UNCALLED, "pipeline_class": KernelCompiler, "forceinline": True},
+}
+"""What `njit` is told of a function, by its kind."""
 
 
 def for_all_values(function: Function) -> Function:
@@ -507,10 +447,8 @@ def for_all_values(function: Function) -> Function:
 
     Numba would compile it anew for each constant that a caller passes, `load3` for each column; inlining does that better.
     """
-    template = getattr(function, "get_call_template", None)
-    if template is None:
-        return function
-
+    compiled = cast(Any, function)
+    template = compiled.get_call_template
     known: dict[Any, Any] = {}
 
     def by_type(args: Any, kws: Any) -> Any:
@@ -519,107 +457,56 @@ def for_all_values(function: Function) -> Function:
             known[given] = template(given[0], dict(given[1]))
         return known[given]
 
-    cast(Any, function).get_call_template = by_type
+    compiled.get_call_template = by_type
     return function
 
 
-def compiled_under(function: Function, around: Callable[[str], AbstractContextManager[None]]) -> Function:
-    """The compiled function whose compiler, which looks into the cache first, runs within `around(name of the function)`."""
-    compiler = getattr(function, "compile", None)
-    if compiler is None:
-        return function
+def kept(function: Function, directory: Path, around: Callable[[str], AbstractContextManager[None]]) -> Function:
+    """The compiled function that comes from a directory, for exactly its sources, where that has it.
+
+    Args: around: what the compiler, which looks there first, runs within, by the name of the function.
+    """
+    compiled = cast(Any, function)
+    compiled._cache, compiler = Kept(compiled.py_func, directory), compiled.compile
 
     def guarded(signature: Any) -> Any:
         with around(function.__name__):
             return compiler(signature)
 
-    cast(Any, function).compile = guarded
+    compiled.compile = guarded
     return function
 
 
-def loaded_lightly(function: Function, directory: Path) -> Function:
-    """The compiled function that comes from its cache without the compiler's own preparations.
+class Kept:
+    """Machine code of a function on disk, a file for each signature, each with a digest: what was damaged is compiled anew.
 
-    Before it looks into the cache, Numba imports all that it may compile, SciPy's linear algebra among it: 0.26 s of 0.36 s to
-    the first step of ten boxes. What is compiled needs none of it, and the compiler itself prepares again.
-
-    Args: directory: for exactly this source, so that neither where the source lies nor when it was written matters. Numba asks
-    for both, and a fresh checkout of the same sources would compile everything anew.
+    Numba's own cache asks where a source lies and when it was written, so that a fresh checkout would compile everything anew;
+    and imports, before it looks, all that might be compiled, SciPy's linear algebra among it: .26 s of .36 s to the first step
+    of ten boxes. Terms: cache_path: what Numba calls the directory.
     """
-    if not hasattr(function, "_cache"):
-        return function
 
-    cache = kept_in(directory)(cast(Any, function).py_func)
-    cast(Any, function)._cache = cache
-    cache._cache_file = checked_files()(str(directory), cache._impl.filename_base, ())
+    def __init__(self, function: Any, directory: Path) -> None:
+        self._stem = f"{Path(function.__code__.co_filename).stem}.{function.__name__}"
+        self._directory, self.cache_path = directory, str(directory)
 
-    def load(signature: Any, context: Any) -> Any:
+    def path(self, signature: Any, context: Any) -> Path:
+        """The file for arguments of these types on this machine, for this version of Python."""
+        key = str(signature), context.codegen().magic_tuple(), sys.implementation.cache_tag
+        return self._directory / f"{self._stem}-{hashlib.sha256(repr(key).encode()).hexdigest()[:16]}.nbc"
+
+    def load_overload(self, signature: Any, context: Any) -> Any:
+        """What was compiled for these types; None where there is none, or it is damaged."""
         runtime.initialize(context)
-        with cache._guard_against_spurious_io_errors():
-            return cache._load_overload(signature, context)
+        try:
+            content = read_checked(self.path(signature, context))
+        except OSError:
+            return None
+        return None if content is None else Result._rebuild(context, *pickle.loads(content))
 
-    cache.load_overload = load
-    return function
-
-
-def kept_in(directory: Path) -> Any:
-    """Numba's cache of a function in this directory, which it need not be able to write to."""
-
-    class Locator(UserProvidedCacheLocator):
-        def __init__(self, py_func: Any, py_file: str) -> None:
-            self._py_file, self._lineno = py_file, py_func.__code__.co_firstlineno
-
-        @classmethod
-        def from_function(cls, py_func: Any, py_file: str) -> Any:
-            return cls(py_func, py_file)
-
-        def get_cache_path(self) -> str:
-            return str(directory)
-
-        def ensure_cache_path(self) -> None:
-            """`write_checked` makes it."""
-
-    class Impl(Results):
-        _locator_classes = [Locator]  # noqa: RUF012  # as Numba has it
-
-    class Kept(FunctionCache):
-        _impl_class = Impl
-
-    return Kept
-
-
-@cache
-def checked_files() -> type:
-    """Numba's index and data files, each with a digest: what was damaged is compiled anew, never run."""
-
-    class Checked(Files):
-        def _load_index(self) -> dict[Any, str]:
-            try:
-                content = read_checked(Path(self._index_path))
-            except OSError:
-                return {}
-            if content is None:
-                return {}
-            stream = io.BytesIO(content)
-            if pickle.load(stream) != self._version:
-                return {}
-            stamp, overloads = pickle.loads(stream.read())
-            return overloads if stamp == self._source_stamp else {}
-
-        def _load_data(self, name: str) -> Any:
-            path = Path(self._data_path(name))
-            content = read_checked(path)
-            if content is None:
-                raise OSError(f"{path}: damaged")  # what Numba takes for a file that is not there
-            return pickle.loads(content)
-
-        @contextmanager
-        def _open_for_write(self, filepath: str) -> Iterator[io.BytesIO]:
-            buffer = io.BytesIO()
-            yield buffer
-            write_checked(Path(filepath), buffer.getvalue())
-
-    return Checked
+    def save_overload(self, signature: Any, made: Any) -> None:
+        """Keep what was compiled, unless it names a place in this process's memory."""
+        if not made.library.has_dynamic_globals:
+            write_checked(self.path(signature, made.target_context), serialize.dumps(made._reduce()))
 
 
 def entry_point(function: Any, signature: Any) -> tuple[Any, int]:
@@ -635,7 +522,6 @@ def entry_point(function: Any, signature: Any) -> tuple[Any, int]:
 
 def table_finder() -> Callable[..., Any]:
     """How compiled code finds a table within numbers in a row: (numbers, start, rows, columns)."""
-    from numba.extending import intrinsic
 
     @intrinsic
     def find(_: Any, numbers: Any, _start: Any, _rows: Any, _columns: Any) -> Any:

@@ -5,7 +5,8 @@ gamma = 1 / (h (c + h k)) and beta = k (x - rest) / (c + h k). Dry friction is t
 its bound: it holds where they suffice, else it brakes by all of it. A limit s of speed is two rows, s - J v >= 0 and
 s + J v >= 0, each with an impulse that brakes alone.
 
-Source: Catto, Soft Constraints, GDC 2011; Lacoursiere, Ghosts and Machines, 2007, section 4.
+Source: Catto, Soft Constraints, GDC 2011; Lacoursiere, Ghosts and Machines, 2007, section 4; Hairer, Wanner, Solving Ordinary
+Differential Equations II, section IV.2 (stability domain of order four).
 """
 
 import math
@@ -17,6 +18,10 @@ from plumbline.engine.maths.rows import Floats, load3, load4
 from plumbline.engine.maths.vec import add, along, cross, dot, mat_vec, neg, quat_conj, quat_mat, quat_mul, sub
 from plumbline.engine.memory import arena as at
 from plumbline.engine.memory.tables import Joints, Rows
+
+STIFF, DAMPED = 0.1, 0.3
+"""dt^2 k / m and dt c / m above which Runge-Kutta takes a spring or drive implicitly: explicit stages need dt sqrt(k / m) and
+dt c / m well below the limit of stability, 2.78."""
 
 
 @kernel

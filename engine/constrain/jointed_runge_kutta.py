@@ -16,7 +16,7 @@ import numpy as np
 
 from plumbline.engine.compile.jit import kernel
 from plumbline.engine.constrain.careful import careful_apply, careful_solve
-from plumbline.engine.constrain.coordinate import coordinate_row, explicit_force
+from plumbline.engine.constrain.coordinate import DAMPED, STIFF, coordinate_row, explicit_force
 from plumbline.engine.constrain.direct import apply_all, assemble, factor, is_careful, rate, solve
 from plumbline.engine.constrain.joint_rows import equality_rows
 from plumbline.engine.constrain.projection import project
@@ -46,6 +46,33 @@ def stages_of(floats: Floats, ints: Ints) -> Stages:
     start = floats_of(floats, ints, at.START)
     room = np.empty((start.shape[0], 6))
     return Stages(start, floats_of(floats, ints, at.SLOPE), floats_of(floats, ints, at.TOTAL), room)
+
+
+@kernel
+def mark_stiff(bodies: Bodies, joints: Joints, rows: Rows, dt: float) -> None:
+    """Write IMPLICIT for all joints, from the present state: which springs and drives explicit stages do not carry.
+
+    The inertia that a coordinate feels, other joints included, is the inverse of the last pivot of J M^-1 J^T with the
+    coordinate's row placed last (a Schur complement).
+    """
+    joint, kind, vector = joints.joint, joints.kind, rows.vector
+    for j in range(joint.shape[0]):
+        kind[j, at.IMPLICIT] = 0
+        if kind[j, at.HAS] & (at.HAS_SPRING | at.HAS_DRIVE) == 0:
+            continue
+        last = equality_rows(bodies.state, joints, rows)
+        coordinate_row(bodies.state, joints, j, rows, last)
+        assemble(rows, last + 1, bodies)
+        for r in range(last + 1):
+            vector[at.PIVOT, r] = vector[at.RIGHT, r] = 0.0
+        factor(rows, last + 1, bodies.body)
+        if is_careful(rows, last + 1):
+            solve(rows, last + 1, bodies, at.RIGHT, at.WORK)
+        mobility = rows.factor[last, last] * rows.factor[last, last] if vector[at.PIVOT, last] == 0.0 else 0.0
+        if dt * dt * joint[j, at.SPRING] * mobility > STIFF or dt * joint[j, at.SPRING + 1] * mobility > DAMPED:
+            kind[j, at.IMPLICIT] |= at.HAS_SPRING
+        if dt * dt * joint[j, at.DRIVE] * mobility > STIFF or dt * joint[j, at.DRIVE + 1] * mobility > DAMPED:
+            kind[j, at.IMPLICIT] |= at.HAS_DRIVE
 
 
 @kernel

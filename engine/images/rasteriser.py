@@ -17,6 +17,7 @@ from plumbline.engine.maths.rows import Floats, Ints, Mat, Vec, load3, load4, lo
 from plumbline.engine.maths.vec import add, dot, mat_vec, sub, tmat_vec
 from plumbline.engine.memory import arena as at
 from plumbline.engine.memory.carve import floats_of, ints_of
+from plumbline.engine.narrow.solid import column, face_corner
 from plumbline.engine.rays.streams import Primitive
 
 TAGS = 2**32
@@ -42,16 +43,10 @@ def shape_poses(floats: Floats, ints: Ints) -> Floats:
 def draw_box(screen: Screen, c: Vec, m: Mat, h: Vec, tag: int, corner: Floats, kept: Floats) -> None:
     """Draw the six faces of a box, 2 k the one at -h[k] and 2 k + 1 the one opposite; room as of `draw_polygon`."""
     for face in range(6):
-        k, sign = face // 2, (1.0 if face % 2 else -1.0)
+        k = face // 2
         for q in range(4):
-            one, two = (1.0 if q in (1, 2) else -1.0), (1.0 if q in (2, 3) else -1.0)
-            spot = (
-                h[0] * (sign if k == 0 else (two if k == 1 else one)),
-                h[1] * (sign if k == 1 else (one if k == 0 else two)),
-                h[2] * (sign if k == 2 else (two if k == 0 else one)),
-            )
-            store3(corner, q, 0, add(c, mat_vec(m, spot)))
-        draw_polygon(screen, 4, corner, (m[k], m[3 + k], m[6 + k]), tag + face, kept)
+            store3(corner, q, 0, face_corner(c, m, h, k, 1.0 if face % 2 else -1.0, q))
+        draw_polygon(screen, 4, corner, column(m, k), tag + face, kept)
 
 
 @entry

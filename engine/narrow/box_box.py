@@ -11,7 +11,7 @@ from plumbline.engine.maths.rows import Mat, Vec, store3
 from plumbline.engine.maths.vec import add, axpy, cross, dot, neg, norm, scale, sub, tmat_vec
 from plumbline.engine.narrow.clip_features import Plane, cut_off, flatten, put_polygon
 from plumbline.engine.narrow.point import Points, put_point
-from plumbline.engine.narrow.solid import Solid, column, largest
+from plumbline.engine.narrow.solid import Solid, column, face_corner, largest
 
 HANDICAP = 1e-3
 """Share of the smallest half extent [1] by which a face of B must beat those of A, and an edge pair all faces.
@@ -120,21 +120,16 @@ def face_face(reference: Solid, incident: Solid, code: int, n: Vec, margin: floa
     """
     pr, mr, hr = reference
     pi, mi, hi = incident
-    clip, clip_key = out.polygon, out.polygon_key
     face = code % 3
     one, two = (face + 1) % 3, (face + 2) % 3
     plane = Plane(axpy(hr[face], n, pr), column(mr, one), column(mr, two), n)
     local = tmat_vec(mi, n)
     facing = largest(local)
     sign = -1.0 if local[facing] > 0.0 else 1.0
-    i1, i2 = (facing + 1) % 3, (facing + 2) % 3
-    middle = axpy(sign * hi[facing], column(mi, facing), pi)
     for corner in range(4):
-        s1 = 1.0 if corner == 0 or corner == 3 else -1.0
-        s2 = 1.0 if corner < 2 else -1.0
-        store3(clip, corner, 0, axpy(s1 * hi[i1], column(mi, i1), axpy(s2 * hi[i2], column(mi, i2), middle)))
-        clip_key[corner, 0] = corner
-    flatten(clip, 0, 4, plane)
+        store3(out.polygon, corner, 0, face_corner(pi, mi, hi, facing, sign, corner))
+        out.polygon_key[corner, 0] = corner
+    flatten(out.polygon, 0, 4, plane)
     count, base = 4, 0
     near = ON_PLANE * max(hr[one], hr[two])
     for side in range(4):

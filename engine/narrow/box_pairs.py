@@ -7,9 +7,9 @@ import math
 
 from plumbline.engine.compile.jit import kernel
 from plumbline.engine.maths.rows import Vec
-from plumbline.engine.maths.vec import add, axpy, dot, mat_vec, neg, norm, scale, sub, tmat_vec
+from plumbline.engine.maths.vec import axpy, dot, mat_vec, neg, norm, scale, sub, tmat_vec
 from plumbline.engine.narrow.point import Points, put_nearest, put_point
-from plumbline.engine.narrow.solid import Solid, axis_of, largest, moved
+from plumbline.engine.narrow.solid import Solid, axis_of, face_corner, largest, moved
 
 
 @kernel
@@ -136,15 +136,7 @@ def box_plane(a: Solid, b: Solid, margin: float, out: Points, row: int) -> tuple
     count = 0
     n = neg(up)
     for corner in range(4):
-        one = 1.0 if corner == 0 or corner == 3 else -1.0
-        two = 1.0 if corner < 2 else -1.0
-        if face == 0:
-            c = (low * h[0], one * h[1], two * h[2])
-        elif face == 1:
-            c = (one * h[0], low * h[1], two * h[2])
-        else:
-            c = (one * h[0], two * h[1], low * h[2])
-        place = add(a.p, mat_vec(a.m, c))
+        place = face_corner(a.p, a.m, h, face, low, corner)
         gap = dot(sub(place, b.p), up)
         if gap <= margin:
             put_point(out, row + count, axpy(0.5 * gap, n, place), gap, 8 * face + (4 if low > 0.0 else 0) + corner)

@@ -126,18 +126,10 @@ def cylinder_plane(a: Solid, b: Solid, margin: float, out: Points, row: int) -> 
     lowest = scale(1.0 / sine, fall) if sine > UPRIGHT else (a.m[0], a.m[3], a.m[6])
     beside = cross(axis, lowest)
     side = 1.0 if dot(axis, n) >= 0.0 else -1.0
-    count = 0
+    rims, count = (lowest, lowest, beside, neg(beside), neg(lowest)), 0
     for k in range(5):
         end = -side if k == 1 else side
-        if k <= 1:
-            rim = lowest
-        elif k == 2:
-            rim = beside
-        elif k == 3:
-            rim = neg(beside)
-        else:
-            rim = neg(lowest)
-        place = add(axpy(end * half, axis, a.p), scale(ra, rim))
+        place = add(axpy(end * half, axis, a.p), scale(ra, rims[k]))
         gap = dot(sub(place, b.p), up)
         if gap <= margin and count < 4:
             put_point(out, row + count, axpy(0.5 * gap, n, place), gap, 2 * k + (1 if end > 0.0 else 0))

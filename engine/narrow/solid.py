@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 from plumbline.engine.compile.jit import kernel
 from plumbline.engine.maths.rows import Mat, Vec, load3, load9
+from plumbline.engine.maths.vec import axpy
 from plumbline.engine.memory import arena as at
 from plumbline.engine.memory.tables import Shapes
 
@@ -43,6 +44,18 @@ def largest(v: Vec) -> int:
     """Which component of a vector has the largest magnitude, the first of equal ones."""
     first = 1 if abs(v[1]) > abs(v[0]) else 0
     return 2 if abs(v[2]) > abs(v[first]) else first
+
+
+@kernel
+def face_corner(p: Vec, m: Mat, h: Vec, face: int, sign: float, corner: int) -> Vec:
+    """A corner of a box: number 0 to 3, counter-clockwise about axis `face`, of its face at `sign` along that axis.
+
+    Args: p: centre; m: axes as columns; h: half extents [m].
+    """
+    one, two = (face + 1) % 3, (face + 2) % 3
+    x, y = (1.0 if corner == 0 or corner == 3 else -1.0), (1.0 if corner < 2 else -1.0)
+    middle = axpy(sign * h[face], column(m, face), p)
+    return axpy(x * h[one], column(m, one), axpy(y * h[two], column(m, two), middle))
 
 
 @kernel

@@ -55,10 +55,14 @@ def static_friction(manifold: Floats, m: int, slide: Vec, friction: float, first
 
 
 @kernel
-def friction_point(tangents: Sym, slide: Vec, friction: float, first: int, end: int, point: Floats) -> Vec:
-    """Friction at the points first..end - 1 one by one, each within its disc. Returns: the force and moment that they give."""
+def friction_point(tangents: Sym, slide: Vec, friction: float, first: int, end: int, back: int, point: Floats) -> Vec:
+    """Friction at the points first..end - 1 one by one, from the last where `back` is 1, each within its disc.
+
+    Returns: the force and moment that they give.
+    """
     f1, f2, m3 = 0.0, 0.0, 0.0
-    for i in range(first, end):
+    for k in range(first, end):
+        i = first + end - 1 - k if back == 1 else k
         x, y, mass = point[i, at.SPREAD], point[i, at.SPREAD + 1], point[i, at.TANGENT_MASS]
         most = friction * point[i, at.NORMAL_IMPULSE]
         was_1, was_2 = point[i, at.HELD], point[i, at.HELD + 1]

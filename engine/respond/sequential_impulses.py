@@ -1,11 +1,12 @@
 """Sequential impulses: projected Gauss-Seidel on velocities, warm-started, with a split impulse for the position error.
 
-For each point in turn, with the effective mass m of its direction and the velocity u of B against A,
+Sweeps are those of `soft` without its spring: for each point in turn, with the effective mass m of its direction and the
+velocity u of B against A,
 
     friction      l_T <- project onto the disc of radius mu l_N:  l_T - m_T u_T
-    normal        l_N <- max(l_N - m_N (u_N + s / h), 0)           s > 0: a gap may close, not more
-    restitution   l_N <- max(l_N - m_N (u_N + e u_before), 0)      for points that struck
-    position      p   <- max(p - m_N (w_N + beta (s + slop) / h), 0)     pseudo-velocities w, forgotten after the move
+    normal        l_N <- max(l_N - m_N (u_N + max(s, 0) / h), 0)     s > 0: a gap may close, not more
+    restitution   l_N <- max(l_N - m_N (u_N + e u_before), 0)        for points that struck
+    position      p   <- max(p - m_N (w_N + beta (s + slop) / h), 0)   pseudo-velocities w, forgotten after the move
 
 and each change of an impulse goes into the velocities at once. Sweeps go through the contacts forwards and backwards in turn:
 always in one order, from the ground up, a stack of ten boxes keeps swaying at 7 cm/s. The slop is a depth left alone, so that
@@ -17,23 +18,25 @@ Physics using Sequential Impulses, GDC 2006 (split impulse); Jean, Comput. Metho
 Iterative Methods for Sparse Linear Systems, 2003, section 4.1 (symmetric Gauss-Seidel).
 """
 
-import math
-from typing import Final
-
 from plumbline.engine.compile.jit import kernel
 from plumbline.engine.integrate.semi_implicit_euler import turn_inertia
 from plumbline.engine.maths.rows import Floats, Vec, load3, load4, store3, store4
-from plumbline.engine.maths.vec import add, axpy, cross, dot, norm, quat_turn, scale, sub, sym_vec
+from plumbline.engine.maths.vec import add, axpy, cross, dot, quat_turn, scale, sub, sym_vec
 from plumbline.engine.memory import arena as at
 from plumbline.engine.memory.tables import Bodies, Contacts
 from plumbline.engine.respond.centre import Motion, Pair, motion_of, pair_of, store_motion
-from plumbline.engine.respond.softness import REBOUND
+from plumbline.engine.respond.soft import sweep
+from plumbline.engine.respond.softness import Softness
 
 BAUMGARTE = 0.2
 """Share of a depth [1] that one position correction works off; Baumgarte's, here on pseudo-velocities."""
-FORWARDS: Final = 0
-BACKWARDS: Final = 1
-"""The order of a sweep through the manifolds and their points."""
+
+
+@kernel
+def sweep_both_ways(bodies: Bodies, contacts: Contacts, h: float, aim: int, sweeps: int) -> None:
+    """Sweep forwards and backwards in turn, without springs. Args: aim: PRESS or REBOUND."""
+    for k in range(sweeps):
+        sweep(bodies, contacts, Softness(h, 0.0, 1.0, 0.0, 0.0, k % 2), aim)
 
 
 @kernel
@@ -51,77 +54,6 @@ def push(pair: Pair, arm_a: Vec, arm_b: Vec, impulse: Vec, motion: Motion) -> Mo
 def velocity_at(arm_a: Vec, arm_b: Vec, motion: Motion) -> Vec:
     """The velocity [m/s] of B against A where both arms end."""
     return sub(add(motion.vb, cross(motion.wb, arm_b)), add(motion.va, cross(motion.wa, arm_a)))
-
-
-@kernel
-def spin_impulse(manifold: Floats, m: int, n: Vec, w: Vec, total: float) -> Vec:
-    """The impulse [N m s] against rolling and spinning at the relative angular velocity w, under the normal impulse `total`."""
-    before = load3(manifold, m, at.SPIN_IMPULSE)
-    most = manifold[m, at.LAW + 4] * total
-    twist = min(max(dot(n, before) - manifold[m, at.SPIN_MASS + 1] * dot(n, w), -most), most)
-    roll = axpy(-manifold[m, at.SPIN_MASS], axpy(-dot(n, w), n, w), axpy(-dot(n, before), n, before))
-    size, most = norm(roll), manifold[m, at.LAW + 3] * total
-    if size > most:
-        roll = scale(most / size, roll)
-    return axpy(twist, n, roll)
-
-
-@kernel
-def sweep_velocities(bodies: Bodies, contacts: Contacts, h: float, aim: int, order: int) -> None:
-    """One sweep over all manifolds: friction first, then the normals, which matter most.
-
-    Args: aim: RELAX, or REBOUND to aim at the velocity after restitution where a point struck; then points that gave no impulse
-    stay out, for what a rebound meets is a blow to come. order: FORWARDS or BACKWARDS.
-    """
-    manifold, point, key = contacts.manifold, contacts.point, contacts.key
-    for rank in range(len(contacts.order)):
-        m = contacts.order[len(contacts.order) - 1 - rank if order == BACKWARDS else rank, 0]
-        a, b = key[m, at.BODY_A], key[m, at.BODY_B]
-        n, t1, t2 = load3(manifold, m, at.NORMAL), load3(manifold, m, at.TANGENTS), load3(manifold, m, at.TANGENTS + 3)
-        pair, motion = pair_of(bodies.body, bodies.turned, a, b), motion_of(bodies.state, a, b)
-        first, last = 4 * m, 4 * m + key[m, at.POINTS]
-        if manifold[m, at.LAW + 3] > 0.0 or manifold[m, at.LAW + 4] > 0.0:
-            total = 0.0
-            for i in range(first, last):
-                total += point[i, at.NORMAL_IMPULSE]
-            spin = spin_impulse(manifold, m, n, sub(motion.wb, motion.wa), total)
-            change = sub(spin, load3(manifold, m, at.SPIN_IMPULSE))
-            store3(manifold, m, at.SPIN_IMPULSE, spin)
-            motion = Motion(
-                motion.va,
-                sub(motion.wa, sym_vec(pair.inertia_a, change)),
-                motion.vb,
-                add(motion.wb, sym_vec(pair.inertia_b, change)),
-            )
-        friction = manifold[m, at.LAW] if key[m, at.SLIPS] == 0 else manifold[m, at.LAW + 1]
-        if friction > 0.0:
-            for k in range(first, last):
-                i = first + last - 1 - k if order == BACKWARDS else k
-                ra, rb = load3(point, i, at.ARM_A), load3(point, i, at.ARM_B)
-                u = velocity_at(ra, rb, motion)
-                was_1, was_2 = point[i, at.HELD], point[i, at.HELD + 1]
-                one, two = was_1 - point[i, at.TANGENT_MASS] * dot(t1, u), was_2 - point[i, at.TANGENT_MASS] * dot(t2, u)
-                size, most = math.sqrt(one * one + two * two), friction * point[i, at.NORMAL_IMPULSE]
-                if size > most:
-                    one, two = most / size * one, most / size * two
-                point[i, at.HELD], point[i, at.HELD + 1] = one, two
-                change = axpy(one - was_1, t1, scale(two - was_2, t2))
-                motion = push(pair, ra, rb, change, motion)
-        for k in range(first, last):
-            i = first + last - 1 - k if order == BACKWARDS else k
-            if aim == REBOUND and point[i, at.SEPARATION] > 0.0 and point[i, at.NORMAL_IMPULSE] == 0.0:
-                continue
-            ra, rb = load3(point, i, at.ARM_A), load3(point, i, at.ARM_B)
-            bias = max(point[i, at.SEPARATION], 0.0) / h
-            if aim == REBOUND and point[i, at.STRUCK] == 1.0 and point[i, at.SPIKE] > 0.0:
-                bias = manifold[m, at.LAW + 2] * point[i, at.APPROACH]
-            speed = dot(n, velocity_at(ra, rb, motion))
-            before = point[i, at.NORMAL_IMPULSE]
-            impulse = max(before - point[i, at.NORMAL_MASS] * (speed + bias), 0.0)
-            point[i, at.NORMAL_IMPULSE] = impulse
-            point[i, at.SPIKE] = max(point[i, at.SPIKE], impulse)
-            motion = push(pair, ra, rb, scale(impulse - before, n), motion)
-        store_motion(bodies.state, a, b, motion)
 
 
 @kernel

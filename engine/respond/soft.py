@@ -67,7 +67,8 @@ def resist_at(
     for half in range(2):
         if (half == 0) != (aim == PRESS):
             f, m1, m2 = 0.0, 0.0, 0.0
-            for i in range(first, end):
+            for k in range(first, end):
+                i = first + end - 1 - k if soft.backwards == 1 else k
                 s, before = point[i, at.SEPARATION], point[i, at.NORMAL_IMPULSE]
                 bias, hard, keep = 0.0, 1.0, 0.0
                 if aim == PRESS:
@@ -96,7 +97,7 @@ def resist_at(
             if end - first == key[m, at.POINTS]:
                 f1, f2, m3 = static_friction(manifold, m, slide, friction, first, end, point)
             if f1 == math.inf:
-                f1, f2, m3 = friction_point(tangents, slide, friction, first, end, point)
+                f1, f2, m3 = friction_point(tangents, slide, friction, first, end, soft.backwards, point)
             rubbed = add(rubbed, (f1, f2, m3))
             if half == 0:
                 lift = add(lift, tmat_vec(coupling, (f1, f2, m3)))
@@ -115,7 +116,7 @@ def sweep(bodies: Bodies, contacts: Contacts, soft: Softness, aim: int) -> None:
     """
     manifold, key = contacts.manifold, contacts.key
     for rank in range(len(contacts.order)):
-        m = contacts.order[rank, 0]
+        m = contacts.order[len(contacts.order) - 1 - rank if soft.backwards == 1 else rank, 0]
         a, b = key[m, at.BODY_A], key[m, at.BODY_B]
         frame = frame_of(manifold, m)
         pair, motion = pair_of(bodies.body, bodies.turned, a, b), motion_of(bodies.state, a, b)

@@ -43,6 +43,7 @@ class Softness(NamedTuple):
     mass_scale: float
     impulse_scale: float
     max_push: float
+    backwards: int
 
 
 @kernel
@@ -52,7 +53,7 @@ def softness_of(setting: Floats, h: float) -> Softness:
     a1 = 2.0 * setting[0, at.DAMPING_RATIO] + h * omega
     a2 = h * omega * a1
     a3 = 1.0 / (1.0 + a2)
-    return Softness(h, omega / a1, a2 * a3, a3, setting[0, at.MAX_PUSH])
+    return Softness(h, omega / a1, a2 * a3, a3, setting[0, at.MAX_PUSH], 0)
 
 
 @kernel

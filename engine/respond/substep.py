@@ -1,8 +1,7 @@
 """What begins and ends a sub-step of contact: warm start, blows to come, restitution, friction's mode, sums of impulses."""
 
-import math
-
 from plumbline.engine.compile.jit import inlined, kernel
+from plumbline.engine.maths.elementary import hypot
 from plumbline.engine.maths.rows import Floats, Mat, Vec, load3, store3
 from plumbline.engine.maths.vec import add, axpy, dot, mat_vec, tmat_vec
 from plumbline.engine.memory import arena as at
@@ -141,7 +140,7 @@ def friction_mode(bodies: Bodies, contacts: Contacts) -> None:
         for i in range(4 * m, 4 * m + key[m, at.POINTS]):
             one, two = v[0] - point[i, at.SPREAD + 1] * w[2], v[1] + point[i, at.SPREAD] * w[2]
             needed += one * (share * one - point[i, at.HELD]) + two * (share * two - point[i, at.HELD + 1])
-            most += static * point[i, at.NORMAL_IMPULSE] * math.sqrt(one * one + two * two)
+            most += static * point[i, at.NORMAL_IMPULSE] * hypot(one, two)  # whose squares may underflow
         key[m, at.SLIPS] = int(needed > STUCK * most)
         if key[m, at.SLIPS] == 0:
             spread_friction(static, 4 * m, 4 * m + key[m, at.POINTS], point)

@@ -54,9 +54,9 @@ def choose_step(touching: bool, jointed: bool, options: Options, spheres: bool, 
     return _entry("steps.smooth", "step_jointed_runge_kutta" if integrator == "rk4" else "step_jointed_euler")
 
 
-def _entry(module: str, name: str) -> Any:
+def _entry(module: str, name: str) -> Callable[..., Any]:
     """A compiled function of the engine, of which only what a world runs is loaded."""
-    return getattr(import_module(f"plumbline.engine.{module}"), name)
+    return cast(Callable[..., Any], getattr(import_module(f"plumbline.engine.{module}"), name))
 
 
 def refuse_unsmooth(integrator: str, unsmooth: str) -> None:

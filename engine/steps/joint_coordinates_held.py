@@ -3,12 +3,13 @@
 from collections.abc import Callable
 
 from plumbline.engine.articulated.advance import is_finite_forest, take_jumps, write_state
-from plumbline.engine.articulated.contact_euler import Mechanisms, forget_responses, touching_substep
+from plumbline.engine.articulated.contact_euler import Touching, forget_responses
 from plumbline.engine.articulated.contact_sweeps import under_machines
 from plumbline.engine.articulated.loops import touch_loops
 from plumbline.engine.articulated.momenta import begin_momenta, damp_over, write_kept_velocities
 from plumbline.engine.articulated.responses import find_touched
-from plumbline.engine.articulated.tables import tables_of
+from plumbline.engine.articulated.semi_implicit_euler import semi_implicit_euler
+from plumbline.engine.articulated.tables import trees_of
 from plumbline.engine.compile.jit import entry, kernel, template
 from plumbline.engine.constrain.open_joints import open_joint
 from plumbline.engine.constrain.reactions import clear_reactions
@@ -17,7 +18,7 @@ from plumbline.engine.maths.rows import Floats, Ints
 from plumbline.engine.memory import arena as at
 from plumbline.engine.memory.carve import floats_of, ints_of
 from plumbline.engine.memory.status import DIVERGED, DONE, UNSOLVED
-from plumbline.engine.memory.tables import Rows, bodies_of, joints_of, present_contacts, rows_of, shapes_of
+from plumbline.engine.memory.tables import Rows, bodies_of, present_contacts, rows_of, shapes_of
 from plumbline.engine.respond.softness import softness_of
 from plumbline.engine.respond.substep import end_step
 from plumbline.engine.steps.stages import meet
@@ -58,42 +59,39 @@ def advance_held(
 
     Args: meeting: finds the contacts of a step, or says why not; room: the rows of joints that close loops, or None.
     """
-    bodies, joints, tables = bodies_of(floats, ints), joints_of(floats, ints), tables_of(floats, ints)
+    trees = trees_of(floats, ints)
+    bodies = trees.bodies
     shapes, sums = shapes_of(floats, ints), floats_of(floats, ints, at.START)
     setting, count, rows = floats_of(floats, ints, at.SETTING), ints_of(ints, at.COUNT), room(floats, ints)
     dt, substeps, gyroscopic = setting[0, at.DT], count[0, at.SUBSTEPS], count[0, at.GYROSCOPIC]
     soft = softness_of(setting, dt / substeps)
     firm = under_machines(setting, soft)
-    damp_over(tables, soft.h)
+    damp_over(trees, soft.h)
     if count[0, at.STEPS] == 0:
-        take_jumps(tables, bodies, joints)
-        begin_momenta(tables, bodies, gyroscopic)
+        take_jumps(trees)
+        begin_momenta(trees)
     done, status = 0, DONE
     while done < steps and status == DONE:
         status = meeting(floats, ints)
         if status == DONE:
             done += 1
             contacts = present_contacts(floats, ints)
-            touch_loops(tables, bodies, joints)
-            mechanisms = Mechanisms(tables, bodies, joints, shapes, contacts, find_touched(tables, bodies), rows, firm)
-            forget_responses(tables)
-            clear_reactions(joints)
+            touch_loops(trees)
+            touching = Touching(shapes, contacts, find_touched(trees), rows, sums, count, soft, firm)
+            forget_responses(trees)
+            clear_reactions(trees.joints)
             for substep in range(substeps):
-                # Links have been moved for `write_state`.
-                moved = substep == 0 and done > 1
-                if status == DONE and not touching_substep(
-                    mechanisms, setting, count, sums, soft, substep, moved, done == steps
-                ):
+                if status == DONE and not semi_implicit_euler(trees, touching, soft.h, substep, done == steps):
                     status = UNSOLVED
             end_step(contacts)
-            for n in range(tables.other.shape[0]):
-                b = tables.other[n, 0]
+            for n in range(trees.other.shape[0]):
+                b = trees.other[n, 0]
                 if bodies.kind[b, at.MOTION] == at.DYNAMIC and bodies.kind[b, at.TOUCHED] == 0:
                     drift_free(bodies, setting, b, dt, substeps, gyroscopic)
-            write_state(tables, bodies, joints)
-            write_kept_velocities(tables, bodies, gyroscopic)
+            write_state(trees)
+            write_kept_velocities(trees)
             count[0, at.STEPS] += 1
-            if not is_finite_forest(tables, bodies.state):
+            if not is_finite_forest(trees):
                 status = DIVERGED
     return done, left_open(floats, ints, rows, status)
 

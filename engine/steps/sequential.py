@@ -8,9 +8,9 @@ from plumbline.engine.memory.carve import floats_of, ints_of
 from plumbline.engine.memory.status import DIVERGED, DONE
 from plumbline.engine.memory.tables import bodies_of, present_contacts, shapes_of
 from plumbline.engine.respond.arms import refresh
-from plumbline.engine.respond.sequential_impulses import push_apart, sweep_velocities
+from plumbline.engine.respond.sequential_impulses import push_apart, sweep_both_ways
 from plumbline.engine.respond.share_loads import share_loads
-from plumbline.engine.respond.softness import REBOUND, RELAX, slow_approach
+from plumbline.engine.respond.softness import PRESS, REBOUND, slow_approach
 from plumbline.engine.respond.substep import approach, bounce, end_step, end_substep, friction_mode, warm_start
 from plumbline.engine.steps.count_step import count_step
 from plumbline.engine.steps.stages import meet
@@ -38,15 +38,13 @@ def step_sequential_impulses(floats: Floats, ints: Ints, steps: int) -> tuple[in
                 approach(bodies, contacts, setting, h, slow)
                 share_loads(bodies, contacts, pseudo)
                 warm_start(bodies, contacts)
-                for k in range(iterations):
-                    sweep_velocities(bodies, contacts, h, RELAX, k % 2)
+                sweep_both_ways(bodies, contacts, h, PRESS, iterations)
                 drift_all(bodies, touched, count, h)
                 refresh(bodies.state, shapes, contacts)
                 if push_apart(bodies, contacts, pseudo, h, iterations, slop):
                     refresh(bodies.state, shapes, contacts)
                 if bounce(contacts):
-                    for k in range(iterations):
-                        sweep_velocities(bodies, contacts, h, REBOUND, k % 2)
+                    sweep_both_ways(bodies, contacts, h, REBOUND, iterations)
                 friction_mode(bodies, contacts)
                 end_substep(contacts)
             end_step(contacts)

@@ -1,11 +1,10 @@
 """Steps of worlds without contact: free bodies, and bodies held by joints under either integrator."""
 
 from plumbline.engine.compile.jit import entry
-from plumbline.engine.constrain.jointed_runge_kutta import jointed_runge_kutta, stages_of
+from plumbline.engine.constrain.jointed_runge_kutta import jointed_runge_kutta, mark_stiff, stages_of
 from plumbline.engine.constrain.open_joints import open_joint
 from plumbline.engine.constrain.projection import shake
 from plumbline.engine.constrain.reactions import clear_reactions
-from plumbline.engine.constrain.stiffness import mark_stiff
 from plumbline.engine.integrate.runge_kutta import runge_kutta_free
 from plumbline.engine.integrate.semi_implicit_euler import drift_free
 from plumbline.engine.maths.rows import Floats, Ints

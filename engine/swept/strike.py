@@ -16,8 +16,8 @@ from plumbline.engine.memory import arena as at
 from plumbline.engine.memory.carve import floats_of, ints_of
 from plumbline.engine.memory.status import DONE
 from plumbline.engine.memory.tables import bodies_of, present_contacts
-from plumbline.engine.respond.sequential_impulses import sweep_velocities
-from plumbline.engine.respond.softness import REBOUND, RELAX, slow_approach
+from plumbline.engine.respond.sequential_impulses import sweep_both_ways
+from plumbline.engine.respond.softness import PRESS, REBOUND, slow_approach
 from plumbline.engine.respond.substep import bounce, end_step, end_substep
 from plumbline.engine.swept.begin import touch_gap
 from plumbline.engine.swept.path import body_at
@@ -74,11 +74,9 @@ def strike(floats: Floats, ints: Ints, sweeps: int) -> int:
                 point[i, at.SEPARATION], point[i, at.APPROACH] = 0.0, u
                 if u < -slow:
                     key[m, at.STRIKES], point[i, at.STRUCK] = 1, 1.0
-    for k in range(sweeps):
-        sweep_velocities(bodies, contacts, AT_ONCE, RELAX, k % 2)
+    sweep_both_ways(bodies, contacts, AT_ONCE, PRESS, sweeps)
     if bounce(contacts):
-        for k in range(sweeps):
-            sweep_velocities(bodies, contacts, AT_ONCE, REBOUND, k % 2)
+        sweep_both_ways(bodies, contacts, AT_ONCE, REBOUND, sweeps)
     end_substep(contacts)
     end_step(contacts)
     for m in range(n):

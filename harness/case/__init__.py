@@ -19,20 +19,6 @@ from plumbline.harness.case.case import (
 from plumbline.harness.case.problem import Problem, Rays
 
 __all__ = [
-    "Axis",
-    "ByParameters",
-    "Case",
-    "Check",
-    "Clocks",
-    "Converged",
-    "Count",
-    "FloatCount",
-    "NotNegative",
-    "Parameters",
-    "Positive",
-    "Problem",
-    "Rays",
-    "Share",
-    "Step",
-    "Unit",
-]
+    "Axis", "ByParameters", "Case", "Check", "Clocks", "Converged", "Count", "FloatCount", "NotNegative", "Parameters",
+    "Positive", "Problem", "Rays", "Share", "Step", "Unit",
+]  # fmt: skip

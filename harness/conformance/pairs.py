@@ -20,9 +20,7 @@ from plumbline.harness.conformance.multibody import EndState, Multibody, matrix
 from plumbline.harness.conformance.scenes import G, free, prismatic, tie
 from plumbline.harness.scene.body import Body, PlacedShape
 from plumbline.harness.scene.joint import WORLD, Ball, Drive, Joint, Limits, Prismatic, Revolute, Spring
-from plumbline.harness.scene.motion import Sinusoid
-from plumbline.harness.scene.prescribed import Prescribed, Shift, Turn
-from plumbline.harness.scene.rotation import axis_angle, multiply
+from plumbline.harness.scene.motion import Prescribed, Shift, Sinusoid, Turn, axis_angle, multiply
 from plumbline.harness.scene.scene import Scene
 from plumbline.harness.scene.shape import Box, Sphere
 from plumbline.harness.scene.values import Quaternion, Vector3

@@ -9,11 +9,9 @@ from plumbline.harness.conformance.check import NotApplicable
 from plumbline.harness.conformance.engine import Engine
 from plumbline.harness.conformance.frames import ORIGIN, UPRIGHT
 from plumbline.harness.scene.body import Body, PlacedShape
-from plumbline.harness.scene.inertia import box_inertia, principal_inertia, sphere_inertia
 from plumbline.harness.scene.joint import WORLD, Distance, Prismatic, Revolute
-from plumbline.harness.scene.scene import Scene
-from plumbline.harness.scene.shape import Box, Plane, Shape, Sphere
-from plumbline.harness.scene.surface import Surface
+from plumbline.harness.scene.scene import Scene, Surface
+from plumbline.harness.scene.shape import Box, Plane, Shape, Sphere, box_inertia, principal_inertia, sphere_inertia
 from plumbline.harness.scene.values import Quaternion, Vector3
 
 G = 9.81

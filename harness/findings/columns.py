@@ -177,8 +177,14 @@ def headings(columns: Iterable[Column | Titled]) -> list[str]:
 
 
 def plain(*columns: str) -> list[Column]:
-    """Columns under the names of their fields."""
-    return [Column(name, name) for name in columns]
+    """Columns of fields: 'step' under its own name, 'steps run=run.steps:.3g s' under another, with format and unit."""
+    made = []
+    for column in columns:
+        heading, parted, value = column.partition("=")
+        path, _, form = value.partition(":")
+        form, blank, unit = form.partition(" ")
+        made.append(Column(heading, path if parted else heading, form, blank + unit))
+    return made
 
 
 def names(of: type, *without: str, path: str = "") -> str:

@@ -5,5 +5,5 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-SPOKEN: Mapping[str, dict[str, Any]] = tomllib.loads(Path(__file__).with_name("words.toml").read_text(encoding="utf-8"))
+SPOKEN: Mapping[str, Any] = tomllib.loads(Path(__file__).with_name("words.toml").read_text(encoding="utf-8"))
 """By table."""

@@ -12,8 +12,8 @@ from typing import Any, TypeAlias
 
 from plumbline.harness.adapter import Settings
 from plumbline.harness.case import Case
-from plumbline.harness.history.answer_store import Pool
 from plumbline.harness.history.blocks import Key, Seen
+from plumbline.harness.history.folder import Pool
 from plumbline.harness.search.first_break import bracket, ruler
 from plumbline.harness.search.front import SMALLEST, TELLING
 from plumbline.harness.statistics.pareto import on_front

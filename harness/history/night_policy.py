@@ -15,7 +15,6 @@ from typing import Any, Literal, TypeAlias
 from plumbline.harness.adapter import Adapter
 from plumbline.harness.case import Case
 from plumbline.harness.findings.changes.prices import TOLD
-from plumbline.harness.history.answer_store import MACHINE_BOUND, Pool
 from plumbline.harness.history.blocks import (
     LATELY,
     Block,
@@ -29,7 +28,7 @@ from plumbline.harness.history.blocks import (
     sights_of,
 )  # fmt: skip
 from plumbline.harness.history.budget import Budget
-from plumbline.harness.history.folder import NIGHT, SCHEMA, History, Night
+from plumbline.harness.history.folder import MACHINE_BOUND, NIGHT, SCHEMA, History, Night, Pool
 from plumbline.harness.history.known_searches import KnownSearches
 from plumbline.harness.run.interrupt import UnderWay
 from plumbline.harness.run.known_results import Guide

@@ -20,8 +20,7 @@ from plumbline.harness.findings.changes.words import command_in, sentence, title
 from plumbline.harness.history.folder import History, Night
 from plumbline.harness.history.identity import NEAR, Named, acknowledged, change_id, silenced
 from plumbline.harness.history.readings import Content, NightOf, said_by, table_of
-from plumbline.harness.history.series import Series, over_segments, series_of
-from plumbline.harness.history.steps import CHANCE_OF_ALL, PriceStep, exact_steps, price_steps
+from plumbline.harness.history.steps import CHANCE_OF_ALL, PriceStep, Series, exact_steps, over_segments, price_steps, series_of
 from plumbline.harness.statistics.change_points import levelled, one_drift
 from plumbline.harness.store.journal import DamagedFile
 from plumbline.harness.store.store import Store

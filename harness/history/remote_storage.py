@@ -15,8 +15,7 @@ from typing import Any
 
 import psutil
 
-from plumbline.harness.history.answer_store import Pool
-from plumbline.harness.history.folder import NIGHT, History, holder, opened
+from plumbline.harness.history.folder import NIGHT, History, Pool, holder, opened
 from plumbline.harness.store import disk
 from plumbline.harness.store.journal import StoreError, read_journal
 from plumbline.harness.store.record import digest

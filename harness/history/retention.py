@@ -12,10 +12,9 @@ from typing import Any
 
 import pandas as pd
 
-from plumbline.harness.history.answer_store import Pool
 from plumbline.harness.history.blocks import last_to_see
 from plumbline.harness.history.budget import bytes_of
-from plumbline.harness.history.folder import NIGHT, History, Night
+from plumbline.harness.history.folder import NIGHT, History, Night, Pool
 from plumbline.harness.history.identity import acknowledged
 from plumbline.harness.history.readings import FOLDER, of_others, versions_of
 from plumbline.harness.history.sentences import outcomes_in_short

@@ -26,7 +26,7 @@ from plumbline.harness.scene import (
     rotation_matrix,
     width,
 )
-from plumbline.harness.scene.support import support
+from plumbline.harness.scene.shape import support
 from plumbline.harness.trajectory import Floats
 from plumbline.harness.trajectory.kinematics import movable, rotate, rotate_back
 

@@ -1,14 +1,58 @@
-"""How a drive's target or a kinematic body moves: a sinusoid, or straight lines between samples. Both are signals of time."""
+"""How a drive's target or a kinematic body moves: a sinusoid, or straight lines between samples. Both are signals of time.
+
+Rotations are unit quaternions (w, x, y, z) that map a body frame B to the world frame W.
+"""
 
 import math
 from bisect import bisect_right
 from collections.abc import Callable
 from typing import Annotated, Literal
 
+import numpy as np
 from pydantic import Field
 from pydantic.dataclasses import dataclass
 
-from plumbline.harness.scene.values import FROZEN, Finite, NonNegative
+from plumbline.harness.scene.values import FROZEN, Axis, Finite, Matrix3, NonNegative, Quaternion, Vector3
+
+
+def axis_angle(axis: Vector3, angle: float) -> Quaternion:
+    """The rotation by `angle` [rad] about `axis` (any length but zero), right-handed."""
+    norm = math.sqrt(sum(c * c for c in axis))
+    s = math.sin(angle / 2) / norm
+    return (math.cos(angle / 2), axis[0] * s, axis[1] * s, axis[2] * s)
+
+
+def multiply(a: Quaternion, b: Quaternion) -> Quaternion:
+    """The Hamilton product a b: first b, then a."""
+    aw, ax, ay, az = a
+    bw, bx, by, bz = b
+    return (
+        aw * bw - ax * bx - ay * by - az * bz,
+        aw * bx + ax * bw + ay * bz - az * by,
+        aw * by - ax * bz + ay * bw + az * bx,
+        aw * bz + ax * by - ay * bx + az * bw,
+    )
+
+
+def rotation_matrix(q: Quaternion) -> Matrix3:
+    """The matrix R with R v = q v q*, shape (3, 3), row by row."""
+    w, x, y, z = q
+    return (
+        (1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)),
+        (2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)),
+        (2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)),
+    )
+
+
+def rotate(q: Quaternion, v: Vector3) -> Vector3:
+    """The vector R v."""
+    m = rotation_matrix(q)
+    return (
+        m[0][0] * v[0] + m[0][1] * v[1] + m[0][2] * v[2],
+        m[1][0] * v[0] + m[1][1] * v[1] + m[1][2] * v[2],
+        m[2][0] * v[0] + m[2][1] * v[1] + m[2][2] * v[2],
+    )
+
 
 MOST_SAMPLES = 100_000
 """Samples of one joint: 100 s at a kilohertz."""
@@ -91,3 +135,79 @@ def sampled(law: Callable[[float], float], end: float, every: float = 1e-3) -> S
     count = math.ceil(end / every - 1e-9)
     times = tuple(every * k for k in range(count + 1))
     return Samples(time=times, target=tuple(float(law(t)) for t in times))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)
+class Shift:
+    """The way [m] along `axis_W`, a direction in W, by a motion of time."""
+
+    axis_W: Axis
+    motion: Motion
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)
+class Turn:
+    """The angle [rad] about `axis_W` through `anchor_W` [m], both in W at time 0, by a motion of time."""
+
+    anchor_W: Vector3
+    axis_W: Axis
+    motion: Motion
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)
+class Prescribed:
+    """A turn about an axis, which the shifts and the body's v_WB carry along. What a motion says at time 0 is where it starts.
+
+    Equation: p_WB(t) = a + R(t) (p_WB(0) - a) + v_WB t + sum of axis (x(t) - x(0)), q_WB(t) = R(t) q_WB(0), a the anchor.
+    """
+
+    shifts: Annotated[tuple[Shift, ...], Field(max_length=16)] = ()
+    turn: Turn | None = None
+
+    def __post_init__(self) -> None:
+        if not self.shifts and self.turn is None:
+            raise ValueError("prescribed: neither shifts nor a turn, expected at least one of them")
+
+    def angle(self, time: float) -> float:
+        """How far the body has turned [rad] at a time [s]."""
+        return 0.0 if self.turn is None else _since_start(self.turn.motion, time)
+
+    def pose(self, p_WB: Vector3, q_WB: Quaternion, v_WB: Vector3, time: float) -> tuple[Vector3, Quaternion]:
+        """The pose at a time [s] of a body with this one at time 0. Args: v_WB [m/s]: its uniform velocity beside."""
+        x, y, z = p_WB
+        if self.turn is not None:
+            turn = axis_angle(self.turn.axis_W, self.angle(time))
+            a = self.turn.anchor_W
+            dx, dy, dz = rotate(turn, (x - a[0], y - a[1], z - a[2]))
+            x, y, z, q_WB = a[0] + dx, a[1] + dy, a[2] + dz, multiply(turn, q_WB)
+        x, y, z = x + v_WB[0] * time, y + v_WB[1] * time, z + v_WB[2] * time
+        for shift in self.shifts:
+            way, axis = _since_start(shift.motion, time), shift.axis_W
+            x, y, z = x + way * axis[0], y + way * axis[1], z + way * axis[2]
+        return (x, y, z), q_WB
+
+    def velocity(self, p_WB: Vector3, q_WB: Quaternion, v_WB: Vector3, time: float, dt: float) -> tuple[Vector3, Vector3]:
+        """The uniform v [m/s] and w [rad/s] in W that take the body from its pose at a time [s] to that dt [s] later.
+
+        Args: as of `pose`.
+        """
+        here, there = (self.pose(p_WB, q_WB, v_WB, at)[0] for at in (time, time + dt))
+        v = ((there[0] - here[0]) / dt, (there[1] - here[1]) / dt, (there[2] - here[2]) / dt)
+        if self.turn is None:
+            return v, (0.0, 0.0, 0.0)
+        rate, axis = (self.angle(time + dt) - self.angle(time)) / dt, self.turn.axis_W
+        return v, (rate * axis[0], rate * axis[1], rate * axis[2])
+
+    def velocity_at_start(self, p_WB: Vector3, v_WB: Vector3) -> tuple[Vector3, Vector3]:
+        """v [m/s] and w [rad/s] in W at time 0 of a body that is there. Args: v_WB [m/s]: its uniform velocity beside."""
+        v, w = np.array(v_WB), np.zeros(3)
+        if self.turn is not None:
+            w = self.turn.motion.rate_at_start() * np.array(self.turn.axis_W)
+            v = v + np.cross(w, np.subtract(p_WB, self.turn.anchor_W))
+        for shift in self.shifts:
+            v = v + shift.motion.rate_at_start() * np.array(shift.axis_W)
+        return (float(v[0]), float(v[1]), float(v[2])), (float(w[0]), float(w[1]), float(w[2]))
+
+
+def _since_start(motion: Motion, time: float) -> float:
+    return motion.at(time, 0.0) - motion.at(0.0, 0.0)

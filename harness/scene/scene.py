@@ -1,22 +1,83 @@
-"""The scene as a whole: all its parts, the rules between them, and the effects that it calls for."""
+"""The scene as a whole: all its parts, the rules between them, the effects that it calls for, and how pairs touch."""
 
 from collections import Counter
-from collections.abc import Iterator
-from typing import Annotated
+from collections.abc import Iterable, Iterator
+from enum import Flag, auto
+from functools import wraps
+from typing import Annotated, Any, Self
 
 import numpy as np
-from pydantic import WithJsonSchema, field_serializer, field_validator
+from pydantic import TypeAdapter, ValidationError, WithJsonSchema, field_serializer, field_validator
 from pydantic.dataclasses import dataclass
 
 from plumbline.harness.intake.error import PlumblineError
-from plumbline.harness.scene.appearance import Sun
-from plumbline.harness.scene.body import Body
-from plumbline.harness.scene.effect import Effect
-from plumbline.harness.scene.joint import WORLD, Joint, Prismatic, Revolute
+from plumbline.harness.intake.safe_text import quoted
+from plumbline.harness.intake.typed_fields import worded
+from plumbline.harness.scene.body import Body, Sun
+from plumbline.harness.scene.joint import WORLD, Joint, Prismatic, Revolute, Tendon
 from plumbline.harness.scene.sensor import Sensor
-from plumbline.harness.scene.surface import Surface
-from plumbline.harness.scene.tendon import Tendon
-from plumbline.harness.scene.values import FROZEN, Name, Vector3
+from plumbline.harness.scene.values import FROZEN, Name, NonNegative, Probability, Vector3
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, config=FROZEN)
+class Surface:
+    """What happens where two materials touch: a value per pair, so that no engine's combination rule decides.
+
+    Terms:
+        between: the two materials; order does not matter.
+        static_friction, kinetic_friction [1]: Coulomb's coefficients, static >= kinetic.
+        restitution [1]: normal speed after an impact over the speed before it, 0..1.
+        rolling_friction, torsional_friction [m]: greatest moment over normal force, about axes in and across the plane.
+    """
+
+    between: tuple[Name, Name] = ("default", "default")
+    static_friction: NonNegative = 0.0
+    kinetic_friction: NonNegative = 0.0
+    restitution: Probability = 0.0
+    rolling_friction: NonNegative = 0.0
+    torsional_friction: NonNegative = 0.0
+
+    @classmethod
+    def rough(cls, friction: float, between: tuple[str, str] = ("default", "default"), **fields: float) -> Self:
+        """A surface with one coefficient, static and kinetic. Args: fields: the others of a surface."""
+        return cls(between=between, static_friction=friction, kinetic_friction=friction, **fields)
+
+    def __post_init__(self) -> None:
+        if self.static_friction < self.kinetic_friction:
+            raise ValueError(
+                f"surface {self.between[0]}/{self.between[1]}: static_friction {self.static_friction} "
+                f"lies below kinetic_friction {self.kinetic_friction}"
+            )
+
+    @property
+    def pair(self) -> frozenset[str]:
+        """The two materials without order."""
+        return frozenset(self.between)
+
+
+class Effect(Flag):
+    """One bit for each piece of physics that can be left out."""
+
+    NONE = 0
+    GRAVITY = auto()
+    CONTACT = auto()
+    FRICTION = auto()
+    RESTITUTION = auto()
+    ROLLING_FRICTION = auto()
+    TORSIONAL_FRICTION = auto()
+    CONTINUOUS_COLLISION = auto()
+    GYROSCOPIC = auto()
+    JOINTS = auto()
+    DRIVES = auto()
+    LINEAR_DAMPING = auto()
+    ANGULAR_DAMPING = auto()
+    SENSING = auto()
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names of the bits that are set, in lower case, in the order of definition."""
+        return tuple(effect.name.lower() for effect in Effect if effect in self and effect.name is not None)
+
 
 EARTH_GRAVITY = (0.0, 0.0, -9.81)
 """The gravity of every case that does not say otherwise [m/s2]."""
@@ -276,3 +337,22 @@ class Scene:
     def effects(self) -> Effect:
         """The effects that the scene calls for: its content, widened and narrowed as it says."""
         return (self.content | self.widen) & ~self.narrow
+
+
+def refuse_in_words(nouns: Iterable[type]) -> None:
+    """Have the constructors of these pydantic dataclasses raise `SceneError`, with element, field, value and expectation."""
+    for noun in nouns:
+        noun.__init__ = _in_words(noun, noun.__init__)  # type: ignore[misc]
+
+
+def _in_words(noun: type, construct: Any) -> Any:
+    @wraps(construct)
+    def __init__(self: Any, *arguments: Any, **fields: Any) -> None:  # noqa: N807  # it takes the place of one
+        try:
+            construct(self, *arguments, **fields)
+        except ValidationError as error:
+            name = fields.get("name")
+            source = noun.__name__.lower() + (f" {quoted(name, 80)}" if isinstance(name, str) else "")
+            raise SceneError(worded(TypeAdapter(noun), fields, source, error)) from None
+
+    return __init__

@@ -11,10 +11,8 @@ import numpy as np
 
 from plumbline.harness.scene import Camera, DepthCamera, DepthNoise, TimeOfFlightNoise
 from plumbline.harness.sensors import time_of_flight, triangulation
-from plumbline.harness.sensors.camera import Pictures
-from plumbline.harness.sensors.pinhole import pixel_rays, view_of
-from plumbline.harness.sensors.reader import Setting, pose_of, row_of
-from plumbline.harness.sensors.seeds import generator
+from plumbline.harness.sensors.camera import Pictures, pixel_rays, view_of
+from plumbline.harness.sensors.reader import Setting, generator, pose_of, row_of
 from plumbline.harness.sensors.sight import Mask, Sight, bounded, sight_by_rays
 from plumbline.harness.trajectory import Floats, State
 from plumbline.harness.trajectory.kinematics import rotate

@@ -32,8 +32,7 @@ from collections.abc import Callable
 import numpy as np
 
 from plumbline.harness.scene import AxisNoise, Effect, Imu
-from plumbline.harness.sensors.reader import Setting, row_of
-from plumbline.harness.sensors.seeds import generator
+from plumbline.harness.sensors.reader import Setting, generator, row_of
 from plumbline.harness.trajectory import Floats, State
 from plumbline.harness.trajectory.kinematics import conjugate, product, rotate, rotate_back
 

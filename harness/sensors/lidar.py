@@ -44,8 +44,7 @@ from functools import lru_cache
 import numpy as np
 
 from plumbline.harness.scene import Lidar, LidarNoise, Scene, rotation_matrix
-from plumbline.harness.sensors.reader import Setting, pose_of, row_of
-from plumbline.harness.sensors.seeds import generator
+from plumbline.harness.sensors.reader import Setting, generator, pose_of, row_of
 from plumbline.harness.trajectory import Floats, Hits, State
 from plumbline.harness.trajectory.kinematics import product, rotate
 

@@ -18,8 +18,7 @@ ICPR 2010 (one reflection between surfaces).
 import numpy as np
 
 from plumbline.harness.scene import TimeOfFlightNoise
-from plumbline.harness.sensors.returned_light import lifted, signal, sunlight, too_faint
-from plumbline.harness.sensors.sight import Mask, Sight
+from plumbline.harness.sensors.sight import Mask, Sight, lifted, signal, sunlight, too_faint
 from plumbline.harness.trajectory import Floats
 
 

@@ -19,8 +19,7 @@ light: see `returned_light`.
 import numpy as np
 
 from plumbline.harness.scene import StereoNoise, StructuredLightNoise
-from plumbline.harness.sensors.returned_light import in_view_of, scattered, too_faint
-from plumbline.harness.sensors.sight import Mask, Sight
+from plumbline.harness.sensors.sight import Mask, Sight, in_view_of, scattered, too_faint
 from plumbline.harness.trajectory import Floats
 
 

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 
 from plumbline.harness.scene import Camera, DepthCamera, Lidar, Scene
+from plumbline.harness.sensors.camera import pixel_rays, view_of
 from plumbline.harness.sensors.depth_camera import lost
 from plumbline.harness.sensors.lidar import ideal, in_world
-from plumbline.harness.sensors.pinhole import pixel_rays, view_of
 from plumbline.harness.sensors.rays import first_hits
 from plumbline.harness.sensors.reader import pose_of, row_of
 from plumbline.harness.sensors.sight import Sight, sight_by_rays

@@ -13,8 +13,7 @@ from itertools import product as pairs_of
 import numpy as np
 
 from plumbline.harness.scene import Body, Box, Capsule, ConvexHull, Cylinder, Plane, Scene, outer_radius, width
-from plumbline.harness.scene.shape import Shape
-from plumbline.harness.scene.support import support
+from plumbline.harness.scene.shape import Shape, support
 from plumbline.harness.trajectory import Floats
 from plumbline.harness.trajectory.kinematics import product, rotate
 

@@ -17,8 +17,7 @@ from numpy.typing import NDArray
 from plumbline.harness.findings.changes.values import Beside
 from plumbline.harness.history.readings import NightOf
 from plumbline.harness.history.regressions import Trends
-from plumbline.harness.history.series import Series
-from plumbline.harness.history.steps import PriceStep
+from plumbline.harness.history.steps import PriceStep, Series
 from plumbline.harness.statistics.change_points import Level, levelled, levels
 from plumbline.harness.store.rows import grouped
 from plumbline.harness.trajectory import Floats

@@ -7,7 +7,7 @@ from pathlib import Path
 from shlex import quote
 
 from plumbline.harness.history.regressions import Trends
-from plumbline.harness.history.series import Series
+from plumbline.harness.history.steps import Series
 from plumbline.harness.store.disk import make_folder, write_atomically
 from plumbline.reports.charts.figure import Figure
 from plumbline.reports.charts.marks import looks

@@ -20,8 +20,7 @@ from plumbline.harness.intake.safe_text import csv_cell
 from plumbline.harness.store.record import digest
 from plumbline.harness.store.store import Store
 from plumbline.reports.words.catalogue import TRACK_ORDER, cases
-from plumbline.reports.words.reasons import notices, reasons
-from plumbline.reports.words.status import outcome
+from plumbline.reports.words.status import notices, outcome, reasons
 from plumbline.reports.words.text import settings_text
 
 

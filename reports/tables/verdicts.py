@@ -18,8 +18,7 @@ from plumbline.reports.tables.trial_results import at_own_step
 from plumbline.reports.words.catalogue import cases, engines, families, named_tracks, setting_words
 from plumbline.reports.words.emulated_features import EmulatedLaw, every_law
 from plumbline.reports.words.known_findings import by_engine
-from plumbline.reports.words.reasons import reasons
-from plumbline.reports.words.status import STATUSES, StatusWord, outcome, worst
+from plumbline.reports.words.status import STATUSES, StatusWord, outcome, reasons, worst
 from plumbline.reports.words.text import TIMES, amount, join_words, plural, unit_text
 
 DECADES = 3

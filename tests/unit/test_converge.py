@@ -52,7 +52,7 @@ def _rolling(time: Floats, speed: float) -> tuple[Floats, Floats]:
 
 def _bouncing(time: Floats, speed: float) -> tuple[Floats, Floats]:
     """Thrown down from a gap of 0.37 m with e = 0.7, by events."""
-    from plumbline.engine.respond.events import FlyingSphere, ImpactLaw, Wall, solve_events
+    from tests.event_driven import FlyingSphere, ImpactLaw, Wall, solve_events
 
     ball = FlyingSphere(mass=1.0, radius=0.1, position=(0, 0, 0.47), velocity=(0, 0, -speed))
     motion = solve_events([ball], [Wall()], time, (0, 0, -G), on_walls=ImpactLaw(restitution=0.7))

@@ -10,7 +10,7 @@ from scipy.optimize import linprog
 from scipy.spatial import ConvexHull as Hull
 
 from plumbline.harness.scene import Box, Capsule, ConvexHull, Cylinder, Plane, Shape, Sphere, TriangleMesh, axis_angle
-from plumbline.harness.trajectory.convex_depth import Unmeasured, depth, solid
+from plumbline.harness.trajectory.depths import Unmeasured, depth, solid
 
 UNTURNED = (1.0, 0.0, 0.0, 0.0)
 EIGHTH = axis_angle((0.0, 1.0, 0.0), math.pi / 4)
@@ -148,9 +148,9 @@ def test_the_difference_grown_from_within_is_as_deep_as_all_pairs_of_edges_say(
 ) -> None:
     p, q = flying(40, 3)
     still, unturned = np.zeros_like(p), np.tile(UNTURNED, (len(p), 1))
-    monkeypatch.setattr("plumbline.harness.trajectory.convex_depth.FEW", 2**60)
+    monkeypatch.setattr("plumbline.harness.trajectory.depths.FEW", 2**60)
     edges = depth(solid(a), still, unturned, solid(b), p, q)
-    monkeypatch.setattr("plumbline.harness.trajectory.convex_depth.FEW", 0)
+    monkeypatch.setattr("plumbline.harness.trajectory.depths.FEW", 0)
     grown = depth(solid(a), still, unturned, solid(b), p, q)
     deep = edges > 1e-12
     assert deep.sum() >= 10

@@ -10,8 +10,7 @@ from pathlib import Path
 import pytest
 
 from plumbline.harness.findings.summary import summaries
-from plumbline.harness.history.answer_store import Pool
-from plumbline.harness.history.folder import History, opened
+from plumbline.harness.history.folder import History, Pool, opened
 from plumbline.harness.history.regressions import read_trends
 from plumbline.harness.history.retention import problems_of, prune, pruning
 from plumbline.harness.run import verify

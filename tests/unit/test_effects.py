@@ -16,8 +16,7 @@ from plumbline.harness.case import Case, Check
 from plumbline.harness.case.alteration import EVERYTHING, FINER, Alteration
 from plumbline.harness.case.undropped import called
 from plumbline.harness.cli.minimal_scene import write_minimal
-from plumbline.harness.findings.effects_audit import NOT_JUDGED, EffectVerdict, audit, idle, savings
-from plumbline.harness.findings.effects_jury import Need, Word, judged
+from plumbline.harness.findings.effects_audit import NOT_JUDGED, EffectVerdict, Need, Word, audit, idle, judged, savings
 from plumbline.harness.findings.tables.effects import TABLE, sentences, verdicts
 from plumbline.harness.metrics.errors import divergence, position_error_final
 from plumbline.harness.run.campaign import carry_out

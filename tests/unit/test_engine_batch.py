@@ -1,7 +1,6 @@
 """Batches: each world ends with the bits it would have alone, on any number of threads."""
 
 import shutil
-import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -211,7 +210,6 @@ def test_no_number_of_threads_changes_a_bit(fork: Fork) -> None:
     assert [len(set(said[k : k + 3])) for k in (0, 3, 6)] == [1, 1, 1]
 
 
-PYTHON = f"py{sys.version_info[0]}{sys.version_info[1]}"
 MADE = """
 from plumbline import engine
 def made(): return engine.World([engine.Body(p_WB=(0, 0, 1))], options=engine.Options(integrator="explicit_euler"))
@@ -228,4 +226,4 @@ def test_a_world_alone_finds_the_step_that_a_batch_has_compiled(tmp_path: Path, 
         shutil.copytree(kept, tmp_path / kept.name)
     for what in ("engine.Batch([made(), made()])", "made()"):
         fork(MADE + f"{what}.step()", PLUMBLINE_KERNEL_CACHE=str(tmp_path))
-        assert len([*tmp_path.rglob(f"runge_kutta.step_explicit_euler-*.{PYTHON}.*.nbc")]) == 1
+        assert len([*tmp_path.rglob("runge_kutta.step_explicit_euler-*.nbc")]) == 1

@@ -6,17 +6,17 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numba
 import numpy as np
 import pytest
 
 from plumbline import engine
 from plumbline.engine.compile.jit import cache_directory, linker
-from plumbline.engine.compile.kernel_cache import read_checked
+from plumbline.engine.compile.kernel_cache import read_checked, write_checked
 from plumbline.engine.steps import smooth
 from tests.forks import forks
 
@@ -222,34 +222,47 @@ def test_an_edited_callee_is_compiled_anew_and_an_unedited_one_comes_from_the_ca
     assert _upwards(*run(step.program)) == (DOWN, 1)
 
 
-def _stored(folder: Path) -> Any:
-    """Numba's index and data files as the engine keeps them, with one entry."""
-    files: Any = linker().checked_files()(str(folder), "step", ("stamp", 1))
-    files.save("key", {"code": b"machine code" * 50})
-    return files
+@pytest.fixture(scope="module")
+def twice() -> Any:
+    """A compiled function of one number."""
+    made: Any = numba.njit(**linker().OPTIONS["entry"])(lambda x: 2.0 * x)
+    assert made(1.5) == 3.0
+    return made
 
 
-def test_stored_code_comes_back_and_that_of_an_older_source_does_not(tmp_path: Path) -> None:
-    assert _stored(tmp_path).load("key") == {"code": b"machine code" * 50}
-    assert linker().checked_files()(str(tmp_path), "step", ("stamp", 2)).load("key") is None
-    assert sorted(path.suffix for path in tmp_path.iterdir()) == [".nbc", ".nbi"]
+def _stored(folder: Path, twice: Any) -> tuple[Any, Callable[[], Any]]:
+    """What keeps that function in a folder, which has it, and what it comes from there as."""
+    kept = linker().Kept(twice.py_func, folder)
+    ((signature, made),) = twice.overloads.items()
+    kept.save_overload(signature, made)
+    return kept, lambda: kept.load_overload(signature, twice.targetctx)
 
 
-@pytest.mark.parametrize("kind", ["nbi", "nbc"])
-def test_damaged_code_is_named_never_loaded_and_replaced(tmp_path: Path, kind: str) -> None:
-    files = _stored(tmp_path)
-    (path,), (other,) = tmp_path.glob(f"*.{kind}"), tmp_path.glob("*.nbc" if kind == "nbi" else "*.nbi")
+def test_stored_code_comes_back_for_its_own_types_and_python_alone(
+    tmp_path: Path, twice: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    kept, load = _stored(tmp_path, twice)
+    assert load().entry_point(2.5) == 5.0
+    assert kept.load_overload((numba.int64,), twice.targetctx) is None
+    monkeypatch.setattr(sys.implementation, "cache_tag", "cpython-0")
+    assert load() is None
+    assert [path.suffix for path in tmp_path.iterdir()] == [".nbc"]
+
+
+def test_damaged_code_is_named_never_loaded_and_replaced(tmp_path: Path, twice: Any) -> None:
+    _, load = _stored(tmp_path, twice)
+    (path,) = tmp_path.glob("*.nbc")
     whole = path.read_bytes()
-    flipped = [whole[:place] + bytes([whole[place] ^ 1]) + whole[place + 1 :] for place in range(0, len(whole), 3)]
-    for content in (*flipped, whole[: len(whole) // 2], b"", other.read_bytes()):
+    flipped = [whole[:place] + bytes([whole[place] ^ 1]) + whole[place + 1 :] for place in range(0, len(whole), 7)]
+    write_checked(path.with_name("other.nbc"), whole[64:])
+    for content in (*flipped, whole[: len(whole) // 2], b"", path.with_name("other.nbc").read_bytes()):
         path.write_bytes(content)
         with pytest.warns(RuntimeWarning, match=f"{path.name}: compiled code is damaged .* compiled anew"):
-            assert files.load("key") is None
-    with pytest.warns(RuntimeWarning) if kind == "nbi" else nullcontext():
-        files.save("key", "anew")
-    assert files.load("key") == "anew"
+            assert load() is None
+    _, load = _stored(tmp_path, twice)
+    assert load().entry_point(2.5) == 5.0
     path.unlink()
-    assert files.load("key") is None
+    assert load() is None
 
 
 def test_a_step_whose_stored_code_is_damaged_is_compiled_anew_to_the_bits_of_those_that_load(

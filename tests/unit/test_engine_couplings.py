@@ -120,10 +120,10 @@ def test_tied_trees_have_the_accelerations_of_the_equations_that_are_left(floati
         world = world_of(tree, dt=1e-16, integrator="rk4")
         kinds = to.int_view(world.save()[1], to.KIND)
         world.step(1)
-        column, largest = table(world, to.COLUMN), np.abs(free).max()
+        along, largest = table(world, to.ALONG), np.abs(free).max()
         for link in kinds[kinds[:, to.COLUMNS] == 1]:
             at = tree.model.idx_vs[tree.model.getJointId(f"joint{link[to.ROW]}")]
-            assert column[link[to.FIRST], to.CHANGE] == pytest.approx(wanted[at], abs=1e-9 * largest)
+            assert along[link[to.FIRST], to.CHANGE] == pytest.approx(wanted[at], abs=1e-9 * largest)
         assert np.abs(wanted - free).max() > 0.1
 
 

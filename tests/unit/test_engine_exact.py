@@ -291,12 +291,11 @@ def test_compiling_a_world_runs_what_its_first_contact_will(monkeypatch: pytest.
         monkeypatch.setattr(place, name, watch)
 
     entries = {
-        "write_closing": "problem",
-        "write_frames": "problem",
+        "write_contacts": "problem",
         "write_problem": "problem",
         "give_impulses": "steps",
         "largest_breach": "law",
-        "write_scaled": "scaled",
+        "write_scaled": "law",
         "finish_from": "solver",
         "look_at": "trace",
     }

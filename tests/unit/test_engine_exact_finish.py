@@ -6,8 +6,7 @@ from numpy.typing import NDArray
 
 from plumbline.engine.compile.jit import entry
 from plumbline.engine.respond.exact.finish import eliminate, finish_from
-from plumbline.engine.respond.exact.law import Problem, relative_residual
-from plumbline.engine.respond.exact.scaled import scale_problem
+from plumbline.engine.respond.exact.law import Problem, relative_residual, scale_problem
 from plumbline.engine.respond.exact.solver import NEAR, PLAIN, solve
 
 Floats = NDArray[np.float64]

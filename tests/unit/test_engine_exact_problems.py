@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from plumbline.engine.respond.exact.cone import compose, frame_of, root, spectral
-from plumbline.engine.respond.exact.law import Problem, relative_residual
-from plumbline.engine.respond.exact.scaled import scale_problem
+from plumbline.engine.respond.exact.law import Problem, relative_residual, scale_problem
 from plumbline.engine.respond.exact.solver import solve
 from plumbline.engine.respond.exact.trace import Local, look
 from tests.exact_worlds import EXACT

@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 from plumbline import engine
 from plumbline.engine.articulated import tables as to
 from plumbline.engine.articulated.forest import Forest, NoForest, forest_of
-from plumbline.engine.articulated.mixing import DEPTH, mixed
+from plumbline.engine.articulated.mixing import DEPTH, mix
 from tests.random_trees import Tree, pin, random_tree, table, world_of
 
 
@@ -28,12 +28,12 @@ def test_random_trees_have_the_accelerations_of_pinocchio(floating: bool) -> Non
         world = world_of(tree, dt=1e-16, integrator="rk4")
         kinds = to.int_view(world.save()[1], to.KIND)
         world.step(1)
-        column, largest = table(world, to.COLUMN), np.abs(wanted).max()
+        along, largest = table(world, to.ALONG), np.abs(wanted).max()
         names = [body.name for body in tree.bodies]
         compared = 0
         for link in kinds:
             body, first, count = link[to.ROW], link[to.FIRST], link[to.COLUMNS]
-            got = column[first : first + count, to.CHANGE]
+            got = along[first : first + count, to.CHANGE]
             if count == 0:
                 continue
             number = tree.model.getJointId(f"joint{body}")
@@ -265,9 +265,10 @@ def test_mixed_rounds_end_after_as_many_as_there_are_unknowns(slope: float) -> N
     turn = np.kron(np.eye(2), np.array([[0.0, -slope], [0.6 * slope, 0.0]]))
     a, b = basis @ turn @ basis.T, rng.normal(size=4)
     guess, step, work = np.zeros((DEPTH + 1, 4)), np.zeros((DEPTH + 1, 4)), np.zeros((2, DEPTH + 1, 4))
-    mix, x = njit(lambda *given: mixed(*given)), np.zeros(4)
+    mixed, x = njit(lambda *given: mix(*given)), np.zeros(4)
     for done in range(5):
         guess[1:], step[1:] = guess[:-1].copy(), step[:-1].copy()
         guess[0], step[0] = x, a @ x + b - x
-        mix(guess, step, work[0], work[1], min(done, DEPTH) + 1, x)
+        mixed(guess, step, work[0], work[1], min(done, DEPTH) + 1)
+        x = work[0, DEPTH].copy()
     assert x == pytest.approx(np.linalg.solve(np.eye(4) - a, b), rel=1e-8)

@@ -11,9 +11,8 @@ import pytest
 
 from plumbline.harness.case import Case
 from plumbline.harness.history import night_policy
-from plumbline.harness.history.answer_store import Pool
 from plumbline.harness.history.budget import bytes_of
-from plumbline.harness.history.folder import Night, created, locked, opened
+from plumbline.harness.history.folder import Night, Pool, created, locked, opened
 from plumbline.harness.history.night_policy import AGAIN, NightWish, computed_again
 from plumbline.harness.history.remote_storage import copy_of
 from plumbline.harness.history.retention import COLUMNS, problems_of, prune, pruning, rows

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from plumbline.harness.intake.error import RobotError
-from plumbline.harness.scene.importers import stand_ins
+from plumbline.harness.scene.importers import merging
 from plumbline.harness.scene.importers.companion import Companion, Massless
 from tests.joint_space import JointSpace
 from tests.robot_files import imported, mjcf, row
@@ -70,7 +70,7 @@ def compared(tmp_path: Path, text: str = LEG) -> tuple[float, float]:
 
 
 def test_but_for_a_small_moment_a_chain_is_the_link_exactly(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(stand_ins, "MOMENT", 1e-11)
+    monkeypatch.setattr(merging, "MOMENT", 1e-11)
     assert max(compared(tmp_path)) < EXACT
 
 
@@ -82,7 +82,7 @@ def test_the_moment_changes_what_the_row_says(tmp_path: Path) -> None:
     assert said.value >= M
     # Of three hinges the third is along the first where the second is turned far: their difference is moved more readily.
     assert a < 1e-3
-    assert said.value <= stand_ins.MOMENT
+    assert said.value <= merging.MOMENT
 
 
 def test_a_link_does_not_touch_what_it_hangs_on_by_several_joints(tmp_path: Path) -> None:

@@ -38,7 +38,7 @@ from plumbline.harness.scene import (
     axis_angle,
 )
 from plumbline.harness.sensors.depth_camera import answer
-from plumbline.harness.sensors.seeds import generator
+from plumbline.harness.sensors.reader import generator
 from plumbline.harness.sensors.true_views import true_frames, true_sight
 from plumbline.harness.trajectory import Floats, State, Trajectory
 

@@ -8,7 +8,7 @@ import pytest
 from plumbline.harness.store.record import Measurement, StoredNotice
 from plumbline.harness.store.store import Store
 from plumbline.reports.tables.trial_results import answers
-from plumbline.reports.words.reasons import notices, reasons
+from plumbline.reports.words.status import notices, reasons
 from tests.recorded_folder import Folder, record
 from tests.run_folder import write_run_folder
 

@@ -29,7 +29,7 @@ from plumbline.harness.study import plugins
 from plumbline.harness.study.experiment import Refinement
 from plumbline.harness.study.study import Study, study_of
 from plumbline.harness.trajectory import State
-from plumbline.harness.trajectory.carried_inertia import carried
+from plumbline.harness.trajectory.kinematics import carried
 from plumbline.harness.trajectory.pace import Pace
 from tests.in_process import in_this_process
 

@@ -23,7 +23,7 @@ from plumbline.harness.scene import (
     axis_angle,
 )
 from plumbline.harness.sensors import camera as camera_reader
-from plumbline.harness.sensors.pinhole import (
+from plumbline.harness.sensors.camera import (
     RESIDUAL,
     distort,
     intrinsics,

@@ -27,8 +27,7 @@ from plumbline.harness.sensors import time_of_flight
 from plumbline.harness.sensors.depth_camera import answer, lost, picture_camera
 from plumbline.harness.sensors.rays import first_hits
 from plumbline.harness.sensors.recorder import SensorRecorder
-from plumbline.harness.sensors.returned_light import in_view_of, signal, sunlight
-from plumbline.harness.sensors.sight import Sight
+from plumbline.harness.sensors.sight import Sight, in_view_of, signal, sunlight
 from plumbline.harness.sensors.true_views import true_frames, true_sight
 from plumbline.harness.trajectory import Floats, Hits, Image, State
 

@@ -8,7 +8,7 @@ from plumbline.harness.metrics.inertial_noise import expected_variance, overlapp
 from plumbline.harness.scene import AxisNoise, LidarNoise
 from plumbline.harness.sensors.imu import MARKOV_PEAK, axis_noise, three_axes
 from plumbline.harness.sensors.lidar import noisy
-from plumbline.harness.sensors.seeds import generator
+from plumbline.harness.sensors.reader import generator
 
 LAW = AxisNoise(density=2e-4, bias=0.02, instability=1e-3, instability_time=0.2, random_walk=1.5e-3)
 

@@ -5,8 +5,7 @@ from typing import Any
 
 import pytest
 
-from plumbline.reports.charts.figure import Figure
-from plumbline.reports.charts.still_legend import BESIDE
+from plumbline.reports.charts.figure import BESIDE, Figure
 
 NAMES = ["Plumbline reference (ours)", "MuJoCo", "Bullet", "DART"]
 TRACKS = ["default", "tuned"]

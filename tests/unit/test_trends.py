@@ -15,8 +15,7 @@ from plumbline.harness.history.identity import Named
 from plumbline.harness.history.readings import NightOf
 from plumbline.harness.history.regressions import FEWEST, Trends, date, read_trends
 from plumbline.harness.history.retention import problems_of
-from plumbline.harness.history.series import Series, yardsticks
-from plumbline.harness.history.steps import CHANCE_OF_ALL, PriceStep, price_steps
+from plumbline.harness.history.steps import CHANCE_OF_ALL, PriceStep, Series, price_steps, yardsticks
 from plumbline.harness.store import store
 from plumbline.harness.store.journal import Written, read_written
 from plumbline.harness.store.record import Record, digest

@@ -23,10 +23,10 @@ from plumbline.harness.case import Case
 from plumbline.harness.metric import NotMeasurable
 from plumbline.harness.metrics.cameras import colour_error_max, colour_error_median
 from plumbline.harness.scene import DepthCamera
+from plumbline.harness.sensors.camera import intrinsics, pixel_centres
 from plumbline.harness.sensors.depth_camera import lost
-from plumbline.harness.sensors.pinhole import intrinsics, pixel_centres
 from plumbline.harness.sensors.recorder import steps_between_readings
-from plumbline.harness.sensors.returned_light import signal, sunlight
+from plumbline.harness.sensors.sight import signal, sunlight
 from plumbline.harness.sensors.true_views import true_frames, true_sight
 from plumbline.harness.trajectory import Floats, State, Trajectory
 from plumbline.harness.trajectory.kinematics import rotate_back

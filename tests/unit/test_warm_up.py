@@ -111,7 +111,7 @@ def test_a_group_is_stored_if_the_cache_has_an_index_of_each_entry(tmp_path: Pat
             module, _, name = entry.rpartition(".")
             path = Path(engine.__file__).parent.joinpath(*module.split(".")).with_suffix(".py")
             cache_directory(path).mkdir(parents=True, exist_ok=True)
-            (cache_directory(path) / f"{path.stem}.{name}-1.py311.nbi").touch()
+            (cache_directory(path) / f"{path.stem}.{name}-1.nbc").touch()
         assert [group for group in every.groups if group.is_stored()] == [largest]
     finally:
         cache_directory.cache_clear()

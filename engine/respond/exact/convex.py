@@ -1,133 +1,52 @@
-"""The convex cone problem, impulses that minimise 1/2 x W x + q x over a product of second-order cones, in two ways.
+"""De Saxce's correction as a fixed point around convex cone problems, in extended precision.
 
-*Interior-point steps* lead from the middle of the cones towards the solution, whatever the start. In the Nesterov-Todd scaling
-T y = T^-1 x = lambda of each cone the central path x o y = mu is followed by
+For given s = mu |u_T| Coulomb's law is the optimality of a convex problem, impulses that minimise 1/2 x W x + q x over a
+product of second-order cones, with s added to the normal velocities; the s that its solution returns is fed back, with Anderson
+acceleration. Velocities of a convex problem are unique, and it has no turns and no bad starts: it is solved to 1e-13 of the
+largest free velocity, which shows who sticks, slips and opens among motions of 1e-9.
 
-    (W + T^-2) dx = T^-1 lambda \\ (sigma mu - lambda o lambda - correction) - (W x + q - y),
-
-a predictor (sigma = 0) and a corrector per round on one factorisation.
-
-*Smoothed Newton* ends it. Optimality is x = p(x - W x - q) with the projection p. Smoothed with a width w it reads x o y = w^2,
-the central path, but may be started anywhere. With D the slope of the smoothed projection, Newton's step solves a symmetric
+*Smoothed Newton.* Optimality is x = p(x - W x - q) with the projection p. Smoothed with a width w it reads x o y = w^2, the
+central path, and may be started anywhere. With D the slope of the smoothed projection, Newton's step solves a symmetric
 positive definite system,
 
     (W + D^-1 - 1 + delta) dx = D^-1 (p - x),
 
 where delta, a proximal term, carries the directions in which forces are not unique. The width follows the residual down.
 
-Source: Nesterov, Todd, Math. Oper. Res. 22, 1997; Mehrotra, SIAM J. Optim. 2, 1992; Vandenberghe, The CVXOPT linear and
-quadratic cone program solvers, 2010 (sections 4 and 7); Acary, Armand, Nguyen, Shpakovych, Second-order cone programming for
-frictional contact mechanics using interior point algorithm, Optim. Methods Softw., 2024; Fukushima, Luo, Tseng, SIAM J. Optim.
-12, 2002; Chen, Sun, Sun, Comput. Optim. Appl. 25, 2003 (smoothing).
+*Precision.* A body held from two sides slips or lifts by 1e-8 m/s where gaps are not closed by the same motion, and who does is
+decided by impulses along directions in which W vanishes. W from the engine is positive semi-definite up to round-off only;
+there its negative part, 1e-16, would decide. W = G G^T from its positive eigenvalues alone, multiplied out with more digits,
+has no such part. In the frames of the contacts the added blocks are diagonal: there their values may spread over all orders of
+magnitude and cost no digits, since a Cholesky factorisation does not see the scale of rows.
+
+Source: Acary, Cadoux, Lemarechal, Malick, ZAMM 91, 2011 (fixed point); Walker, Ni, Anderson acceleration for fixed-point
+iterations, SIAM J. Numer. Anal. 49, 2011; Fukushima, Luo, Tseng, SIAM J. Optim. 12, 2002, and Chen, Sun, Sun, Comput. Optim.
+Appl. 25, 2003 (smoothing); Higham, Accuracy and Stability of Numerical Algorithms, SIAM 2002, chapter 10.
 """
+
+from collections.abc import Iterator
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
-from plumbline.engine.respond.exact.blocks import FINE, Blocks, FineArray
-from plumbline.engine.respond.exact.cone import frame_of, inverse_slope, smooth_project
+from plumbline.engine.maths.types import Floats
+from plumbline.engine.respond.exact.cone import inverse_slope, smooth_project
 from plumbline.engine.respond.exact.effort import FINE_MATRIX, Effort
+from plumbline.engine.respond.exact.law import Scaled
 
-CLOSE = 0.99
-"""Share of the way to the boundary of the cones that a step may take."""
+FineArray = NDArray[np.longdouble]
 
-
-def product(a: FineArray, b: FineArray) -> FineArray:
-    """The Jordan product (a . b, a_N b_T + b_N a_T) of vectors (k, 3)."""
-    out = a[:, :1] * b + b[:, :1] * a
-    out[:, 0] = (a * b).sum(axis=1)
-    return out
-
-
-def quotient(a: FineArray, b: FineArray) -> FineArray:
-    """The x (k, 3) with a o x = b, a inside the cone."""
-    size = np.hypot(a[:, 1], a[:, 2])
-    det = (a[:, 0] - size) * (a[:, 0] + size)
-    along = a[:, 1] * b[:, 1] + a[:, 2] * b[:, 2]
-    first = (a[:, 0] * b[:, 0] - along) / det
-    out = (b - first[:, None] * a) / a[:, :1]
-    out[:, 0] = first
-    return np.asarray(out)
-
-
-def longest(x: FineArray, dx: FineArray) -> float:
-    """The largest t <= 1 / CLOSE with x + t dx in the cones."""
-    a = dx[:, 0] ** 2 - dx[:, 1] ** 2 - dx[:, 2] ** 2
-    b = x[:, 0] * dx[:, 0] - x[:, 1] * dx[:, 1] - x[:, 2] * dx[:, 2]
-    size = np.hypot(x[:, 1], x[:, 2])
-    c = np.maximum((x[:, 0] - size) * (x[:, 0] + size), 1e-300)
-    # The first positive root of a t^2 + 2 b t + c; in the form c / (-b + sqrt) nothing cancels.
-    inside = b * b - a * c
-    under = -b + np.sqrt(np.maximum(inside, 0.0))
-    hits = (inside >= 0.0) & (under > 0.0)
-    return min(1.0 / CLOSE, float((c[hits] / under[hits]).min(initial=np.inf)))
-
-
-def central_point(blocks: Blocks, q: FineArray, goal: float, most: int, effort: Effort) -> tuple[FineArray, float]:
-    """Impulses x (k, 3) near the central path.
-
-    Args: blocks: W (3k, 3k) scaled to order one; q (k, 3); goal: mean of sqrt(x . y) to reach; most: rounds allowed;
-        effort: what is left.
-    Returns: x, the mean reached.
-    """
-    k = len(q)
-    start = max(1.0, float(np.abs(q).max()))
-    x, y = np.zeros((k, 3), FINE), np.zeros((k, 3), FINE)
-    x[:, 0] = y[:, 0] = start
-    mean = start * start
-    for _ in range(most):
-        mean = float((x * y).sum()) / k
-        miss = blocks.times(x) + q - y
-        if mean <= goal * goal and float(np.abs(miss).max()) <= goal:
-            return x, goal
-        frame, stretch = scaling(x, y)
-        turned = np.swapaxes(frame, 1, 2)
-        scaled = turn(frame, stretch * turn(turned, y))
-        if not (effort.take(FINE_MATRIX) and blocks.factor(frame, 1.0 / stretch**2)):
-            return x, float(np.sqrt(mean))
-        square = product(scaled, scaled)
-        rest, share = -square, 0.0
-        for stage in range(2):
-            d = quotient(scaled, rest)
-            right = turn(frame, turn(turned, d) / stretch) - miss
-            dx = blocks.solve(right)
-            dx_scaled = turn(frame, turn(turned, dx) / stretch)
-            dy_scaled = d - dx_scaled
-            dy = turn(frame, turn(turned, dy_scaled) / stretch)
-            way = min(1.0, CLOSE * min(longest(x, dx), longest(y, dy)))
-            if stage == 0:
-                share = (1.0 - way) ** 3
-                rest = -square - product(dx_scaled, dy_scaled)
-                rest[:, 0] += share * mean
-        if not (np.isfinite(dx).all() and np.isfinite(dy).all()):
-            return x, float(np.sqrt(mean))
-        x, y = x + way * dx, y + way * dy
-    return x, float(np.sqrt(mean))
-
-
-def turn(frame: FineArray, v: FineArray) -> FineArray:
-    """frame (k, 3, 3) times v (k, 3)."""
-    return np.asarray((frame @ v[:, :, None])[:, :, 0])
-
-
-def scaling(x: FineArray, y: FineArray) -> tuple[FineArray, FineArray]:
-    """The frame (k, 3, 3) and the eigenvalues (k, 3) of the Nesterov-Todd scaling T with T y = T^-1 x."""
-    sx, sy = np.hypot(x[:, 1], x[:, 2]), np.hypot(y[:, 1], y[:, 2])
-    dx = np.sqrt(np.maximum((x[:, 0] - sx) * (x[:, 0] + sx), 1e-300))
-    dy = np.sqrt(np.maximum((y[:, 0] - sy) * (y[:, 0] + sy), 1e-300))
-    a, b = x / dx[:, None], y / dy[:, None]
-    b[:, 1:] *= -1.0
-    half = np.sqrt(0.5 * (1.0 + a[:, 0] * b[:, 0] - a[:, 1] * b[:, 1] - a[:, 2] * b[:, 2]))
-    middle = (a + b) / (2.0 * half)[:, None]
-    size = np.hypot(middle[:, 1], middle[:, 2])
-    tangent = np.where(size[:, None] > 0.0, middle[:, 1:] / np.maximum(size, 1e-300)[:, None], (1.0, 0.0))
-    up = np.sqrt(1.0 + size * size) + size
-    eta = np.sqrt(dx / dy)
-    return frame_of(tangent), eta[:, None] * np.stack([1.0 / up, up, np.ones_like(up)], axis=1)
-
-
-NARROWER = 0.3
-"""From one width to the next."""
+FINE = np.longdouble
+"""The widest numbers of the machine: 64 binary digits on x86, 113 or 53 elsewhere, where less is gained."""
+VANISHING = 1e-13
+"""Eigenvalues below this share of the largest are round-off of W."""
+PROXIMAL = 100.0 * float(np.finfo(FINE).eps)
+"""Added to the diagonal, in units of a contact's own inverse mass, where forces are not unique."""
+DEPTH = 10
+"""Earlier iterates that the acceleration looks at."""
+WIDEST, NARROWEST, NARROWER = 10.0, 1e-13, 0.3
+"""Widths, in units of the largest free velocity, where Newton begins and ends, and from one to the next."""
 MOST_STEPS = 80
 """Newton steps allowed."""
 PATIENCE = 6
@@ -136,40 +55,79 @@ STEEPEST = 0.1 / float(np.finfo(FINE).eps)
 """Largest inverse slope kept: beyond it a direction does not move."""
 
 
-def minimise(
-    blocks: Blocks, q: FineArray, kept: NDArray[np.bool_], x: FineArray, width: float, goal: float, effort: Effort
-) -> FineArray:
+def rounds(scaled: Scaled, s: Floats, effort: Effort) -> Iterator[tuple[Floats, Floats]]:
+    """Scaled impulses (k, 3) of the convex problems one after the other, and velocities with s on the normal.
+
+    Ends when they are not finite or the effort is over. Args: s (k,): what |u_T| is at first.
+    """
+    value, vector = np.linalg.eigh(scaled.w)
+    real = value > VANISHING * value[-1]
+    half = vector[:, real].astype(FINE) * np.sqrt(value[real].astype(FINE))
+    w = np.asarray(half @ half.T, FINE)
+    tried: list[Floats] = []
+    missed: list[Floats] = []
+    while True:
+        q = scaled.q.astype(FINE)
+        q[:, 0] += s
+        x = minimise(w, q, scaled.kept, effort)
+        if not np.isfinite(x).all():
+            return
+        y = q + times(w, x)
+        yield x.astype(np.float64), y.astype(np.float64)
+        if effort.over:
+            return
+        tried, missed = [*tried, s][-DEPTH - 1 :], [*missed, sliding(scaled.rubs, y) - s][-DEPTH - 1 :]
+        s = np.maximum(accelerate(tried, missed), 0.0)
+
+
+def sliding(rubs: NDArray[np.bool_], y: NDArray[np.floating]) -> Floats:
+    """|u_T| (k,) of scaled velocities (k, 3), where friction is one."""
+    return np.where(rubs, np.hypot(y[:, 1], y[:, 2]), 0.0).astype(np.float64)
+
+
+def accelerate(tried: list[Floats], missed: list[Floats]) -> Floats:
+    """The next iterate of a fixed point from earlier ones and their residuals (Anderson's type II)."""
+    if len(tried) == 1:
+        return tried[0] + missed[0]
+    dx = np.stack([b - a for a, b in pairwise(tried)], axis=1)
+    df = np.stack([b - a for a, b in pairwise(missed)], axis=1)
+    gamma = np.linalg.lstsq(df, missed[-1], rcond=1e-10)[0]
+    return np.asarray(tried[-1] + missed[-1] - (dx + df) @ gamma)
+
+
+def times(w: FineArray, x: FineArray) -> FineArray:
+    """W x for x (k, 3)."""
+    return np.asarray((w @ x.ravel()).reshape(-1, 3))
+
+
+def minimise(w: FineArray, q: FineArray, kept: NDArray[np.bool_], effort: Effort) -> FineArray:
     """Impulses x (k, 3) of the convex problem.
 
-    Args: blocks: W (3k, 3k), with q (k, 3) scaled to order one; kept (k, 3): False for components held at zero, where W
-        has zero rows and columns; x: where to start; width: of
-        the smoothing at the start; goal: residual to reach; effort: what is left.
-    Returns: impulses.
+    Args: w (3k, 3k), q (k, 3): scaled to order one; kept (k, 3): False for components held at zero, where W has zero rows and
+        columns; effort: what is left.
     """
-    y = q + blocks.times(x)
-    idle, lowest = 0, np.inf
+    x = np.zeros(q.shape, FINE)
+    x[:, 0] = max(1.0, float(np.abs(q).max()))
+    y, width, idle, lowest = q + times(w, x), WIDEST, 0, np.inf
     for _ in range(MOST_STEPS):
         z = np.where(kept, x - y, 0.0)
         miss = smooth_project(z, width) - x
         error = float(np.abs(miss).max())
-        if error <= max(0.1 * width, goal):
-            if width <= goal:
+        if error <= max(0.1 * width, NARROWEST):
+            if width <= NARROWEST:
                 return x
-            width, idle, lowest = max(NARROWER * width, goal), 0, np.inf
+            width, idle, lowest = max(NARROWER * width, NARROWEST), 0, np.inf
             miss = smooth_project(z, width) - x
         elif error > 0.5 * lowest:
             idle += 1
             if idle > PATIENCE:
                 return x
         lowest = min(error, lowest)
-        values, frame = inverse_slope(z, width)
-        values = np.minimum(values, STEEPEST)
-        if not (effort.take(FINE_MATRIX) and blocks.factor(frame, np.asarray(values - 1.0, FINE))):
+        step = newton_step(w, *inverse_slope(z, width), miss) if effort.take(FINE_MATRIX) else None
+        if step is None:
             return x
-        step = blocks.solve((frame @ (values[:, :, None] * (np.swapaxes(frame, 1, 2) @ miss[:, :, None])))[:, :, 0])
         step[~kept] = 0.0
-        change = blocks.times(step)
-        size, start = 1.0, float((miss * miss).sum())
+        change, size, start = times(w, step), 1.0, float((miss * miss).sum())
         for _ in range(12):
             nx, ny = x + size * step, y + size * change
             miss = smooth_project(np.where(kept, nx - ny, 0.0), width) - nx
@@ -178,5 +136,39 @@ def minimise(
             size *= 0.5
         else:
             return x
-        x, y = nx, q + blocks.times(nx)
+        x, y = nx, q + times(w, nx)
+    return x
+
+
+def newton_step(w: FineArray, values: FineArray, frame: FineArray, miss: FineArray) -> FineArray | None:
+    """(W + D^-1 - 1 + delta)^-1 D^-1 miss, D^-1 with eigenvalues (k, 3) on frames (k, 3, 3); None where it is not definite."""
+    k, n, values = len(miss), len(w), np.minimum(values, STEEPEST)
+    turned, each = np.swapaxes(frame, 1, 2), np.arange(n)
+    half = (turned @ w.reshape(k, 3, n)).reshape(n, n).T
+    matrix = (turned @ half.reshape(k, 3, n)).reshape(n, n)
+    right = (values[:, :, None] * (turned @ miss[:, :, None])).ravel()
+    for proximal in PROXIMAL * 10.0 ** np.arange(8):
+        tried = matrix.copy()
+        tried[each, each] += (values - 1.0).ravel() + proximal
+        if cholesky(tried):
+            return np.asarray((frame @ solve_factored(tried, right).reshape(k, 3, 1))[:, :, 0])
+    return None
+
+
+def cholesky(a: FineArray) -> bool:
+    """Overwrite the lower triangle of a (n, n) by its factor. Returns: whether a is positive definite."""
+    for j in range(len(a)):
+        a[j:, j] -= a[j:, :j] @ a[j, :j]
+        if not a[j, j] > 0.0:
+            return False
+        a[j:, j] /= np.sqrt(a[j, j])
+    return True
+
+
+def solve_factored(lower: FineArray, x: FineArray) -> FineArray:
+    """Overwrite the right side x (n,) by the solution, by a factor of `cholesky`."""
+    for j in range(len(x)):
+        x[j] = (x[j] - lower[j, :j] @ x[:j]) / lower[j, j]
+    for j in range(len(x) - 1, -1, -1):
+        x[j] = (x[j] - lower[j + 1 :, j] @ x[j + 1 :]) / lower[j, j]
     return x

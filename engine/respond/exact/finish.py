@@ -17,9 +17,9 @@ import numpy as np
 
 from plumbline.engine.compile.jit import entry, kernel
 from plumbline.engine.maths.elementary import hypot
-from plumbline.engine.maths.rows import Floats, Ints
-from plumbline.engine.respond.exact.law import after, breach
-from plumbline.engine.respond.exact.scaled import write_scale
+from plumbline.engine.maths.rows import Floats, Ints, load3
+from plumbline.engine.maths.vec import axpy
+from plumbline.engine.respond.exact.law import after, breach, write_scale
 
 
 @kernel
@@ -91,29 +91,28 @@ def newton_step(
     """Write what one step changes into `step` (3k,). Args: w, q, x: scaled. Returns: whether the system was regular."""
     k, added, y = len(x), weight * proximal - 1.0, after(w, q, x)
     for i in range(k):
-        tau0, tau1, tau2 = x[i, 0] - weight * y[i, 0], x[i, 1] - weight * y[i, 1], x[i, 2] - weight * y[i, 2]
-        normal, size = max(tau0, 0.0), hypot(tau1, tau2)
-        rubs, slips, t1, t2 = friction[i] > 0.0, size > normal, tau1 / max(size, 1e-300), tau2 / max(size, 1e-300)
+        tau = axpy(-weight, load3(y, i, 0), load3(x, i, 0))
+        normal, size = max(tau[0], 0.0), hypot(tau[1], tau[2])
+        rubs, slips, t1, t2 = friction[i] > 0.0, size > normal, tau[1] / max(size, 1e-300), tau[2] / max(size, 1e-300)
         share = 0.0
         if rubs:
             share = normal / max(size, 1e-300) if slips else 1.0
-        s00, s10, s20, s11, s12, s22 = 1.0 if tau0 > 0.0 else 0.0, 0.0, 0.0, share, 0.0, share
-        if rubs and slips and tau0 > 0.0:
-            s10, s20 = t1, t2
-            s11, s12, s22 = share - share * t1 * t1, -share * t1 * t2, share - share * t2 * t2
+        slope, drag1, drag2 = (share, share, 0.0), 0.0, 0.0  # of the tangent: its matrix (11, 22, 12), and its columns by tau_N
+        if rubs and slips and tau[0] > 0.0:
+            slope, drag1, drag2 = (share - share * t1 * t1, share - share * t2 * t2, -share * t1 * t2), t1, t2
+        bears = 1.0 if tau[0] > 0.0 else 0.0
         for j in range(3 * k):
             w0, w1, w2 = weight * w[3 * i, j], weight * w[3 * i + 1, j], weight * w[3 * i + 2, j]
-            matrix[3 * i, j] = s00 * w0
-            matrix[3 * i + 1, j] = s10 * w0 + s11 * w1 + s12 * w2
-            matrix[3 * i + 2, j] = s20 * w0 + s12 * w1 + s22 * w2
-        matrix[3 * i, 3 * i] += 1.0 + added * s00
-        matrix[3 * i + 1, 3 * i] += added * s10
-        matrix[3 * i + 1, 3 * i + 1] += 1.0 + added * s11
-        matrix[3 * i + 1, 3 * i + 2] += added * s12
-        matrix[3 * i + 2, 3 * i] += added * s20
-        matrix[3 * i + 2, 3 * i + 1] += added * s12
-        matrix[3 * i + 2, 3 * i + 2] += 1.0 + added * s22
-        step[3 * i], step[3 * i + 1], step[3 * i + 2] = normal - x[i, 0], share * tau1 - x[i, 1], share * tau2 - x[i, 2]
+            if j // 3 == i:
+                w0 += added if j == 3 * i else 0.0
+                w1 += added if j == 3 * i + 1 else 0.0
+                w2 += added if j == 3 * i + 2 else 0.0
+            matrix[3 * i, j] = bears * w0
+            matrix[3 * i + 1, j] = drag1 * w0 + slope[0] * w1 + slope[2] * w2
+            matrix[3 * i + 2, j] = drag2 * w0 + slope[2] * w1 + slope[1] * w2
+        for c in range(3):
+            matrix[3 * i + c, 3 * i + c] += 1.0
+        step[3 * i], step[3 * i + 1], step[3 * i + 2] = normal - x[i, 0], share * tau[1] - x[i, 1], share * tau[2] - x[i, 2]
     return eliminate(matrix, step)
 
 

@@ -22,27 +22,55 @@ from numpy.typing import NDArray
 
 from plumbline.engine.maths.types import Floats, Ints
 from plumbline.engine.memory import arena as at
-from plumbline.engine.respond.exact.kernels import write_joint_rows
+from plumbline.engine.respond.exact.kernels import BROUGHT, FRICTION, give_impulses, write_joint_rows
 from plumbline.engine.respond.exact.law import Problem
-from plumbline.engine.respond.exact.problem import (
-    TOUCHING,
-    ContactFrames,
-    Movers,
-    apply_impulse,
-    brought_impulse,
-    friction_of,
-    keep_impulse,
-    movers_of,
-    pace_of,
-    relative_velocity,
-    weighted_rows,
-)
+from plumbline.engine.respond.exact.problem import TOUCHING, ContactRows, pace_of, rates
 
 DEPENDENT = 1e-10
 """Singular values below this share of the largest belong to rows that depend on others; rows are of length one."""
 IMMOVABLE = 1e-12
 """Share of its own motion [1] below which joints leave a contact none: what it carries decides nothing."""
 LINEAR_B, ANGULAR_B = at.JACOBIAN + 6, at.JACOBIAN + 9
+
+
+@dataclass(frozen=True, slots=True)
+class Movers:
+    """Dynamic bodies with M^-1 = S S^T.
+
+    Terms: rows (n,) of the arena's bodies; place: of each of these among the movers, -1 for others; root (n,): of the inverse
+        mass [kg^-1/2]; half (n, 3, 3): Cholesky factor of the inverse inertia in W.
+    """
+
+    rows: Ints
+    place: Ints
+    root: Floats
+    half: Floats
+
+    def weighted(self, row: Floats, body: Ints) -> Floats:
+        """J S (m, 6n) of rows."""
+        reach = np.zeros((len(row), len(self.rows), 6))
+        for side in range(2):
+            hit = np.flatnonzero(self.place[body[:, side]] >= 0)
+            n, start = self.place[body[hit, side]], at.JACOBIAN + 6 * side
+            reach[hit, n, :3] += row[hit, start : start + 3] * self.root[n][:, None]
+            reach[hit, n, 3:] += np.einsum("ri,rij->rj", row[hit, start + 3 : start + 6], self.half[n])
+        return reach.reshape(len(row), 6 * len(self.rows))
+
+    def move(self, state: Floats, motion: Floats) -> None:
+        """v += S s for the motion s (6n,), as impulses r give it: s = (J S)^T r."""
+        change = motion.reshape(-1, 6)
+        state[self.rows, at.V : at.V + 3] += self.root[:, None] * change[:, :3]
+        state[self.rows, at.W : at.W + 3] += (self.half @ change[:, 3:, None])[:, :, 0]
+
+
+def movers_of(floats: Floats, ints: Ints, bodies: Ints) -> Movers:
+    """The dynamic ones of some bodies."""
+    mass, turned = at.float_table(floats, ints, at.BODY)[:, at.INV_MASS], at.float_table(floats, ints, at.TURNED)
+    rows = np.unique(bodies[mass[bodies] > 0.0])
+    place = np.full(len(mass), -1)
+    place[rows] = np.arange(len(rows))
+    inertia = turned[rows][:, [0, 3, 4, 3, 1, 5, 4, 5, 2]].reshape(-1, 3, 3)
+    return Movers(rows, place, np.sqrt(mass[rows]), np.asarray(np.linalg.cholesky(inertia), np.float64))
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,7 +94,7 @@ class Held:
     rotors: NDArray[np.bool_]
 
 
-def held_bodies(floats: Floats, ints: Ints, made: ContactFrames, h: float) -> Held:
+def held_bodies(floats: Floats, ints: Ints, made: ContactRows, h: float) -> Held:
     """The joints in the present pose, with what they aim at in h seconds."""
     equalities, count = write_joint_rows(floats, ints, h)
     row, body = at.float_table(floats, ints, at.ROW)[:count].copy(), at.int_table(ints, at.ROW_BODY)[:count].copy()
@@ -76,14 +104,8 @@ def held_bodies(floats: Floats, ints: Ints, made: ContactFrames, h: float) -> He
     order = np.concatenate([np.flatnonzero(~stops), np.flatnonzero(stops)])
     row, body, free = row[order], body[order], int((~stops).sum())
     rotors = (order < equalities) & (row[:, at.SOFTNESS] > 0.0)
-    movers = movers_of(floats, ints, np.concatenate([made.bodies.ravel(), body[:, :2].ravel()]))
-    by_body = np.zeros((count, len(movers.rows), 6))
-    for end in range(2):
-        hit = np.flatnonzero(movers.place[body[:, end]] >= 0)
-        n, start = movers.place[body[hit, end]], at.JACOBIAN + 6 * end
-        by_body[hit, n, :3] += row[hit, start : start + 3] * movers.root[n][:, None]
-        by_body[hit, n, 3:] += np.einsum("ri,rij->rj", row[hit, start + 3 : start + 6], movers.half[n])
-    reach = by_body.reshape(count, 6 * len(movers.rows))
+    movers = movers_of(floats, ints, np.concatenate([made.body.ravel(), body[:, :2].ravel()]))
+    reach = movers.weighted(row, body)
     soft = np.flatnonzero(row[:free, at.SOFTNESS] > 0.0)
     a = np.zeros((free, reach.shape[1] + len(soft)))
     a[:, : reach.shape[1]] = reach[:free]
@@ -100,14 +122,8 @@ def hold(floats: Floats, ints: Ints, held: Held) -> None:
     state, body = at.float_table(floats, ints, at.STATE), held.body[: held.free]
     asked = -rates(state, held.row[: held.free], body) - held.row[: held.free, at.BIAS]
     along = held.back.T @ asked
-    apply_impulse(state, held.movers, (held.basis @ along)[: held.reach.shape[1]])
+    held.movers.move(state, (held.basis @ along)[: held.reach.shape[1]])
     count_reactions(floats, ints, held, np.concatenate([held.back @ along, np.zeros(len(held.gap))]))
-
-
-def rates(state: Floats, row: Floats, body: Ints) -> Floats:
-    """J v (m,) of rows."""
-    velocity = state[body[:, :2], at.V : at.V + 6]
-    return np.asarray((row[:, at.JACOBIAN : at.JACOBIAN + 12].reshape(-1, 2, 6) * velocity).sum(axis=(1, 2)))
 
 
 @dataclass(frozen=True, slots=True)
@@ -121,26 +137,26 @@ class Beside:
     problem: Problem
     brought: Floats
     lift: Floats
-    made: ContactFrames
+    made: ContactRows
     stops: Ints
     across: Floats
     taken: Floats
 
 
-def assemble_held(floats: Floats, ints: Ints, made: ContactFrames, lift: Floats, held: Held, left: float) -> Beside:
+def assemble_held(floats: Floats, ints: Ints, made: ContactRows, lift: Floats, held: Held, left: float) -> Beside:
     """The problem of contacts and stops, the latter last, in what the joints leave.
 
     Args: lift: as `assemble_problem`; left [s]: in which stops may be reached; 0: those alone that are.
     """
     state, width = at.float_table(floats, ints, at.STATE), held.reach.shape[1]
     stops = np.flatnonzero((held.gap <= TOUCHING) | (left > 0.0))
-    k, rows = len(made.rows), held.free + stops
+    k, rows = len(made.points), held.free + stops
     across = np.zeros((k + len(stops), 3, len(held.basis)))
-    across[:k, :, :width] = weighted_rows(made, held.movers).reshape(k, 3, width)
+    across[:k, :, :width] = held.movers.weighted(made.row, made.body).reshape(k, 3, width)
     across[k:, 0, :width] = held.reach[rows]
     q, brought, friction, lifts = (np.zeros((len(across), *more)) for more in ((3,), (3,), (), ()))
-    q[:k], brought[:k] = relative_velocity(state, made), brought_impulse(floats, ints, made)
-    friction[:k], lifts[:k] = friction_of(floats, ints, made), lift
+    q[:k], brought[:k] = rates(state, made.row, made.body).reshape(-1, 3), made.said[:, BROUGHT : BROUGHT + 3]
+    friction[:k], lifts[:k] = made.said[:, FRICTION], lift
     q[k:, 0] = rates(state, held.row[rows], held.body[rows])
     if left > 0.0:
         lifts[k:] = np.maximum(held.gap[stops] - TOUCHING, 0.0) / left
@@ -157,13 +173,13 @@ def assemble_held(floats: Floats, ints: Ints, made: ContactFrames, lift: Floats,
 
 def give(floats: Floats, ints: Ints, held: Held, beside: Beside, impulse: Floats) -> None:
     """Change velocities by impulses (k, 3) N s of contacts and stops, and by those of the joints that they call for."""
-    flat, k = impulse.ravel(), len(beside.made.rows)
-    apply_impulse(at.float_table(floats, ints, at.STATE), held.movers, (beside.across.T @ flat)[: held.reach.shape[1]])
+    flat, made, k = impulse.ravel(), beside.made, len(beside.made.points)
+    held.movers.move(at.float_table(floats, ints, at.STATE), (beside.across.T @ flat)[: held.reach.shape[1]])
     total = np.zeros(len(held.row))
     total[: held.free] = -held.back @ (beside.taken.T @ flat)
     total[beside.stops] = impulse[k:, 0]
     count_reactions(floats, ints, held, total)
-    keep_impulse(floats, ints, beside.made, impulse[:k])
+    give_impulses(floats, ints, made.points, made.body, made.row, np.ascontiguousarray(impulse[:k]), 0)
 
 
 def count_reactions(floats: Floats, ints: Ints, held: Held, impulse: Floats) -> None:

@@ -23,19 +23,25 @@ from plumbline.engine.maths.types import Floats, Ints
 from plumbline.engine.memory import arena as at
 from plumbline.engine.memory.status import DIVERGED, DONE
 from plumbline.engine.options import Options
-from plumbline.engine.respond.exact.assembly import give_impulses
 from plumbline.engine.respond.exact.held import assemble_held, give, held_bodies, hold
-from plumbline.engine.respond.exact.kernels import begin_step, drift_touched, kick_touched, look_at_joints
+from plumbline.engine.respond.exact.kernels import (
+    BROUGHT,
+    begin_step,
+    drift_touched,
+    give_impulses,
+    kick_touched,
+    look_at_joints,
+)
 from plumbline.engine.respond.exact.law import Problem
 from plumbline.engine.respond.exact.passive import without_gain
 from plumbline.engine.respond.exact.problem import (
-    ContactFrames,
+    ContactRows,
     assemble_problem,
     closing,
-    contact_frames,
+    contact_rows,
     pace_of,
+    rates,
     rebound,
-    relative_velocity,
     time_to_blow,
 )
 from plumbline.engine.respond.exact.solver import Solution, solve
@@ -84,12 +90,7 @@ class ExactSteps:
         self._bounces = any(law.restitution > 0.0 for law in surfaces)
         self._h, self._substeps = options.dt / options.substeps, options.substeps
         self._tolerance, self._effort = options.tolerance, options.effort
-        self._residual, self._solves, self._missed, self._crowded, self._lessened = 0.0, 0, 0, 0, 0
-
-    @property
-    def certificate(self) -> Certificate:
-        """What was certified so far."""
-        return Certificate(self._residual, self._solves, self._missed, self._crowded, self._lessened)
+        self.certificate = Certificate()
 
     def retime(self, dt: float) -> None:
         """The length [s] of the steps to come."""
@@ -97,10 +98,10 @@ class ExactSteps:
 
     def compile(self, floats: Floats, ints: Ints) -> None:
         """Compile what a step with contacts runs beyond one without, on none and on one: for a world to be thrown away."""
-        made = contact_frames(floats, ints)
-        made = made.of(np.zeros(len(made.rows), np.bool_))
-        assemble_problem(floats, ints, made, closing(floats, ints, made, 1.0))
-        give_impulses(floats, ints, made.rows, made.bodies, made.frame, made.arm, np.zeros((0, 3)))
+        made = contact_rows(floats, ints)
+        made = made.of(np.zeros(len(made.points), np.bool_))
+        assemble_problem(floats, ints, made, closing(made, 1.0))
+        give_impulses(floats, ints, made.points, made.body, made.row, np.zeros((0, 3)), 1)
         solve(Problem(np.eye(3), np.array([[-1.0, 0.0, 0.0]]), np.ones(1), 1.0), guess=np.zeros((1, 3)))
 
     def __call__(self, floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
@@ -119,43 +120,44 @@ class ExactSteps:
 
     def _advance(self, floats: Floats, ints: Ints, last: int) -> bool:
         """One sub-step, from blow to blow. Args: last: 1 to end the step. Returns: whether it stopped being finite."""
-        h, motion = self._h, at.float_table(floats, ints, at.STATE)[:, at.V : at.W + 3]
+        h, state = self._h, at.float_table(floats, ints, at.STATE)
+        motion = state[:, at.V : at.W + 3]
         before = motion.copy()
         slow, held, pace = kick_touched(floats, ints, h), None, 0.0
         if self._jointed:
-            made = contact_frames(floats, ints)
-            pace = pace_of(relative_velocity(at.float_table(floats, ints, at.STATE), made))
+            made = contact_rows(floats, ints)
+            pace = pace_of(rates(state, made.row, made.body).reshape(-1, 3))
             held = held_bodies(floats, ints, made, h)
             hold(floats, ints, held)
         if at.int_table(ints, at.COUNT)[0, at.MANIFOLDS] == 0 and (held is None or len(held.gap) == 0):
             return bool(drift_touched(floats, ints, h, last))
         kick, passed = motion - before, 0.0
         for _ in range(MOST_BLOWS if self._bounces else 0):
-            made = contact_frames(floats, ints)
-            wait = time_to_blow(floats, ints, made, h - passed, slow)
+            made = contact_rows(floats, ints)
+            wait = time_to_blow(state, made, h - passed, slow)
             first, struck = float(wait.min(initial=np.inf)), wait <= INSTANT * h
             if first == np.inf:
                 break
             if struck.any():
                 motion -= (1.0 - passed / h) * kick
-                touching = made.of(struck | (closing(floats, ints, made, 1.0) == 0.0))
-                bounce = rebound(floats, ints, touching, struck[np.isin(made.rows, touching.rows)])
+                touching = made.of(struck | (closing(made, 1.0) == 0.0))
+                bounce = rebound(state, touching, struck[np.isin(made.points, touching.points)])
                 self._respond(floats, ints, touching, bounce, 0.0, pace)
                 drift_touched(floats, ints, 0.0, 0)
                 motion += (1.0 - passed / h) * kick
             else:
-                self._respond(floats, ints, made, closing(floats, ints, made, first), first, pace)
+                self._respond(floats, ints, made, closing(made, first), first, pace)
                 drift_touched(floats, ints, first, 0)
                 passed += first
-        made, left = contact_frames(floats, ints), max(h - passed, INSTANT * h)
-        lift = closing(floats, ints, made, left)
-        if self._bounces and (struck := np.isfinite(time_to_blow(floats, ints, made, left, slow))).any():
-            lift = np.where(struck, rebound(floats, ints, made, struck), lift)
-            self._crowded += 1
+        made, left = contact_rows(floats, ints), max(h - passed, INSTANT * h)
+        lift = closing(made, left)
+        if self._bounces and (struck := np.isfinite(time_to_blow(state, made, left, slow))).any():
+            lift = np.where(struck, rebound(state, made, struck), lift)
+            self.certificate = replace(self.certificate, crowded=self.certificate.crowded + 1)
         self._respond(floats, ints, made, lift, left, pace)
         return bool(drift_touched(floats, ints, h - passed, last))
 
-    def _respond(self, floats: Floats, ints: Ints, made: ContactFrames, lift: Floats, left: float, pace: float) -> None:
+    def _respond(self, floats: Floats, ints: Ints, made: ContactRows, lift: Floats, left: float, pace: float) -> None:
         """Solve these contacts, apply the impulses, and record how exact they are.
 
         Args: lift: as `assemble_problem`; left [s]: as `assemble_held`; pace [m/s]: of the contacts before joints held them.
@@ -167,7 +169,7 @@ class ExactSteps:
             problem, brought, lift = beside.problem, beside.brought, beside.lift
             problem = replace(problem, speed=max(problem.speed, pace))
         else:
-            problem, brought = assemble_problem(floats, ints, made, lift)
+            problem, brought = assemble_problem(floats, ints, made, lift), made.said[:, BROUGHT : BROUGHT + 3]
         if not math.isfinite(problem.speed):
             return
         solution = self._solve(problem, brought)
@@ -177,12 +179,15 @@ class ExactSteps:
         if self._jointed:
             give(floats, ints, held, beside, solution.impulse)
         else:
-            impulse = np.ascontiguousarray(solution.impulse)
-            give_impulses(floats, ints, made.rows, made.bodies, made.frame, made.arm, impulse)
-        self._residual = max(self._residual, solution.residual)
-        self._solves += 1
-        self._missed += int(solution.residual > self._tolerance)
-        self._lessened += lessened
+            give_impulses(floats, ints, made.points, made.body, made.row, np.ascontiguousarray(solution.impulse), 1)
+        so_far = self.certificate
+        self.certificate = replace(
+            so_far,
+            residual=max(so_far.residual, solution.residual),
+            solves=so_far.solves + 1,
+            missed=so_far.missed + int(solution.residual > self._tolerance),
+            lessened=so_far.lessened + lessened,
+        )
 
     def _solve(self, problem: Problem, guess: Floats | None = None) -> Solution:
         """A problem under the options of the world. Args: guess: impulses (k, 3) N s to start from."""

@@ -27,7 +27,8 @@ from scipy.linalg import get_lapack_funcs
 
 from plumbline.engine.compile.jit import entry, kernel
 from plumbline.engine.maths.elementary import exp, hypot, log
-from plumbline.engine.maths.rows import Floats, Ints
+from plumbline.engine.maths.rows import Floats, Ints, Sym, load3, store3
+from plumbline.engine.maths.vec import axpy, scale, sub, sym_vec
 from plumbline.engine.respond.exact.effort import TRACED, Effort
 
 MISS, RATE, SIZE, ENDS, ROOM, COLUMNS = 0, 3, 6, 7, 10, 13
@@ -44,6 +45,14 @@ def root_of(value: float, width: float) -> tuple[float, float]:
     return (length, other) if value >= 0.0 else (other, length)
 
 
+@kernel
+def on_frame(low: float, high: float, across: float, t1: float, t2: float) -> Sym:
+    """The matrix with these eigenvalues on the ends (1, -t), (1, t) of a frame and across it."""
+    mean, half = 0.5 * (low + high), 0.5 * (high - low)
+    one, two = mean * t1 * t1 + across * t2 * t2, mean * t2 * t2 + across * t1 * t1
+    return mean, one, two, half * t1, half * t2, (mean - across) * t1 * t2
+
+
 @entry
 def look_at(w: Floats, q: Floats, rubs: Ints, x: Floats, widths: tuple[float, float], slope: Floats, out: Floats) -> float:
     """Write -dF/dx into `slope` (3k, 3k), and what there is of each contact into `out` (k, COLUMNS).
@@ -57,80 +66,60 @@ def look_at(w: Floats, q: Floats, rubs: Ints, x: Floats, widths: tuple[float, fl
     soft, dim = width * width, exp(power * log(width))
     largest = 0.0
     for i in range(k):
-        y0, y1, y2 = q[i, 0] + soft * x[i, 0], q[i, 1] + soft * x[i, 1], q[i, 2] + soft * x[i, 2]
+        impulse = load3(x, i, 0)
+        y = axpy(soft, impulse, load3(q, i, 0))
         for j in range(k):
             for c in range(3):
-                a = x[j, c]
-                y0 += w[3 * j + c, 3 * i] * a
-                y1 += w[3 * j + c, 3 * i + 1] * a
-                y2 += w[3 * j + c, 3 * i + 2] * a
+                y = axpy(x[j, c], load3(w, 3 * j + c, 3 * i), y)
         if rubs[i] == 0:
-            y1, y2 = 0.0, 0.0
-        square = y1 * y1 + y2 * y2
+            y = (y[0], 0.0, 0.0)
+        square = y[1] * y[1] + y[2] * y[2]
         size = math.sqrt(square + dim * dim)
         blur = (dim / size) ** 2
-        lift1, lift2 = y1 / size * (1.0 + blur), y2 / size * (1.0 + blur)
+        lift1, lift2 = y[1] / size * (1.0 + blur), y[2] / size * (1.0 + blur)
         if rubs[i] == 1:
-            y0 += square / size
-        z0, z1, z2 = x[i, 0] - y0, x[i, 1] - y1, x[i, 2] - y2
-        largest = max(largest, abs(z0), abs(z1), abs(z2))
-        length = hypot(z1, z2)
-        t1, t2 = (z1 / length, z2 / length) if length > 0.0 else (1.0, 0.0)
-        low, high = z0 - length, z0 + length
+            y = (y[0] + square / size, y[1], y[2])
+        z = sub(impulse, y)
+        largest = max(largest, abs(z[0]), abs(z[1]), abs(z[2]))
+        length = hypot(z[1], z[2])
+        t1, t2 = (z[1] / length, z[2] / length) if length > 0.0 else (1.0, 0.0)
+        low, high = z[0] - length, z[0] + length
         p_low, c_low = root_of(low, width)
         p_high, c_high = root_of(high, width)
-        if x[i, 0] < y0:
+        if impulse[0] < y[0]:
             half = 0.5 * (p_high - p_low)
-            m0, m1, m2 = 0.5 * (p_low + p_high) - x[i, 0], half * t1 - x[i, 1], half * t2 - x[i, 2]
+            miss = sub((0.5 * (p_low + p_high), half * t1, half * t2), impulse)
         else:
             half = 0.5 * (c_high - c_low)
-            m0, m1, m2 = 0.5 * (c_low + c_high) - y0, half * t1 - y1, half * t2 - y2
-        # The eigenvalues of dp/dz on the ends (1, -t), (1, t) of the frame and across it.
+            miss = sub((0.5 * (c_low + c_high), half * t1, half * t2), y)
+        # dp/dz, and 1 - dp/dz from its own eigenvalues, which would cancel in the difference.
         p_across, c_across = p_low + p_high, c_low + c_high
-        at_low, at_high, at_across = p_low / (p_low + c_low), p_high / (p_high + c_high), p_across / (p_across + c_across)
-        mean, half = 0.5 * (at_low + at_high), 0.5 * (at_high - at_low)
-        b01, b02 = half * t1, half * t2
-        b11, b22 = mean * t1 * t1 + at_across * t2 * t2, mean * t2 * t2 + at_across * t1 * t1
-        b12 = (mean - at_across) * t1 * t2
+        all_low, all_high, all_across = p_low + c_low, p_high + c_high, p_across + c_across
+        bears = on_frame(p_low / all_low, p_high / all_high, p_across / all_across, t1, t2)
+        opens = on_frame(c_low / all_low, c_high / all_high, c_across / all_across, t1, t2)
         for c in range(n):
-            r1, r2 = w[3 * i + 1, c], w[3 * i + 2, c]
-            if c == 3 * i + 1:
-                r1 += soft
-            if c == 3 * i + 2:
-                r2 += soft
-            r0 = w[3 * i, c] + lift1 * r1 + lift2 * r2
-            if c == 3 * i:
-                r0 += soft
-            slope[3 * i, c] = mean * r0 + b01 * r1 + b02 * r2
-            slope[3 * i + 1, c] = b01 * r0 + b11 * r1 + b12 * r2
-            slope[3 * i + 2, c] = b02 * r0 + b12 * r1 + b22 * r2
-        # 1 - dp/dz from its own eigenvalues, which would cancel in the difference.
-        un_low, un_high, un_across = c_low / (p_low + c_low), c_high / (p_high + c_high), c_across / (p_across + c_across)
-        un_mean, un_half = 0.5 * (un_low + un_high), 0.5 * (un_high - un_low)
-        u11, u22 = un_mean * t1 * t1 + un_across * t2 * t2, un_mean * t2 * t2 + un_across * t1 * t1
-        u12 = (un_mean - un_across) * t1 * t2
-        slope[3 * i, 3 * i] += un_mean
-        slope[3 * i, 3 * i + 1] += un_half * t1
-        slope[3 * i, 3 * i + 2] += un_half * t2
-        slope[3 * i + 1, 3 * i] += un_half * t1
-        slope[3 * i + 1, 3 * i + 1] += u11
-        slope[3 * i + 1, 3 * i + 2] += u12
-        slope[3 * i + 2, 3 * i] += un_half * t2
-        slope[3 * i + 2, 3 * i + 1] += u12
-        slope[3 * i + 2, 3 * i + 2] += u22
-        s0, s1, s2 = 2.0 * soft * x[i, 0], 2.0 * soft * x[i, 1], 2.0 * soft * x[i, 2]
+            r0, r1, r2 = w[3 * i, c], w[3 * i + 1, c], w[3 * i + 2, c]
+            if c // 3 == i:
+                r0 += soft if c == 3 * i else 0.0
+                r1 += soft if c == 3 * i + 1 else 0.0
+                r2 += soft if c == 3 * i + 2 else 0.0
+            column = sym_vec(bears, (r0 + lift1 * r1 + lift2 * r2, r1, r2))
+            slope[3 * i, c], slope[3 * i + 1, c], slope[3 * i + 2, c] = column
+        for c in range(3):
+            column = sym_vec(opens, (1.0 if c == 0 else 0.0, 1.0 if c == 1 else 0.0, 1.0 if c == 2 else 0.0))
+            for d in range(3):
+                slope[3 * i + d, 3 * i + c] += column[d]
+        s0, s1, s2 = scale(2.0 * soft, impulse)
         if rubs[i] == 1:
             s0 += lift1 * s1 + lift2 * s2 - power * square / size * blur
         r_low, r_high = 2.0 * soft / hypot(low, 2.0 * width), 2.0 * soft / hypot(high, 2.0 * width)
         half = 0.5 * (r_high - r_low)
-        out[i, RATE] = 0.5 * (r_low + r_high) - (mean * s0 + b01 * s1 + b02 * s2)
-        out[i, RATE + 1] = half * t1 - (b01 * s0 + b11 * s1 + b12 * s2)
-        out[i, RATE + 2] = half * t2 - (b02 * s0 + b12 * s1 + b22 * s2)
-        out[i, MISS], out[i, MISS + 1], out[i, MISS + 2] = m0, m1, m2
+        store3(out, i, RATE, sub((0.5 * (r_low + r_high), half * t1, half * t2), sym_vec(bears, (s0, s1, s2))))
+        store3(out, i, MISS, miss)
         out[i, SIZE] = p_high
-        along = m1 * t1 + m2 * t2
-        out[i, ENDS], out[i, ENDS + 1], out[i, ENDS + 2] = m0 - along, m0 + along, m2 * t1 - m1 * t2
-        out[i, ROOM], out[i, ROOM + 1], out[i, ROOM + 2] = min(p_low, c_low), min(p_high, c_high), min(p_across, c_across)
+        along = miss[1] * t1 + miss[2] * t2
+        store3(out, i, ENDS, (miss[0] - along, miss[0] + along, miss[2] * t1 - miss[1] * t2))
+        store3(out, i, ROOM, (min(p_low, c_low), min(p_high, c_high), min(p_across, c_across)))
     off = 0.0
     for i in range(k):
         for c in range(3):

@@ -87,7 +87,7 @@ def event_words(event: Event) -> str:
     if event.kind == "collided" and (event.count > 1 or not event.other):
         first, other = f"{times}, first " if event.count > 1 else "", f"with '{event.other}' " if event.other else ""
         return f"collides {first}{other}at {event.time:.3g} s"
-    return SPOKEN["happened"][event.kind].format(other=event.other, time=f"{event.time:.3g} s", value=value, times=times)
+    return str(SPOKEN["happened"][event.kind]).format(other=event.other, time=f"{event.time:.3g} s", value=value, times=times)
 
 
 def body_words(events: Sequence[Event]) -> str:

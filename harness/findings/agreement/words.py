@@ -16,7 +16,7 @@ import numpy as np
 from plumbline.harness.findings.agreement.perturbed_starts import LAWS, Balance, Outlook, foreseeable_until
 from plumbline.harness.findings.agreement.values import Agreement, Side
 from plumbline.harness.scene import Prismatic, Revolute, Scene
-from plumbline.harness.trajectory.carried_inertia import carried
+from plumbline.harness.trajectory.kinematics import carried
 
 
 def unresolved_words(agreement: Agreement) -> list[str]:

@@ -63,10 +63,7 @@ def _step(row: Mapping[str, Any]) -> str:
 
 
 SHOWN = (
-    *plain("criterion", "case", "engine"),
-    Column("of 1", "value", ".2f"),
-    Column("because", "says"),
-    Column("settings", "track"),
+    *plain("criterion", "case", "engine", "of 1=value:.2f", "because=says", "settings=track"),
     Column("step", _step),
     Column("trial", "trial"),
 )

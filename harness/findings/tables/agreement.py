@@ -14,7 +14,7 @@ from plumbline.harness.findings.agreement.perturbed_starts import balances, outl
 from plumbline.harness.findings.agreement.setting_causes import cause_words, settings_turned
 from plumbline.harness.findings.agreement.values import Agreement, Side
 from plumbline.harness.findings.agreement.words import beyond_words, present_words, scene_words, side_sentence
-from plumbline.harness.findings.columns import Column, Table
+from plumbline.harness.findings.columns import Column, Table, plain
 from plumbline.harness.findings.once import all_once
 from plumbline.harness.store.rows import finite
 from plumbline.harness.store.store import Store
@@ -130,15 +130,11 @@ TABLE = Table(
     objects=side_verdicts,
     shown=(
         Column("scene", lambda each: each.agreement.case.rsplit("/", 1)[-1]),
-        Column("engine", "side.engine"),
-        Column("track", "side.track"),
+        *plain("engine=side.engine", "track=side.track"),
         Column("verdict", _verdict),
-        Column("order", "side.limit.said.order", ".2f"),
-        Column("known to", "bar", ".2g"),
+        *plain("order=side.limit.said.order:.2f", "known to=bar:.2g"),
         Column("until", lambda each: f"{each.side.limit.until:.3g} s" if each.side.limit.until else ""),
-        Column("horizon", "side.limit.said.horizon", ".3g", " s"),
-        Column("camp", "camp"),
-        Column("away", "side.distance", ".2g"),
+        *plain("horizon=side.limit.said.horizon:.3g s", "camp", "away=side.distance:.2g"),
         Column("cost, coarse to fine", lambda each: " ".join("-" if c is None else f"{c:.2g}" for c in each.costs)),
     ),
     sentences=_sentences,

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 from plumbline.harness.findings.agreement.found import agreements
 from plumbline.harness.findings.agreement.setting_causes import Turned, cause_words, settings_turned
-from plumbline.harness.findings.columns import Column, Table, names
+from plumbline.harness.findings.columns import Column, Table, names, plain
 from plumbline.harness.store.store import Store
 
 
@@ -31,8 +31,7 @@ TABLE = Table(
     shown=(
         Column("scene", lambda row: row.turned.case.rsplit("/", 1)[-1]),
         *(Column(name, f"turned.{name}") for name in ("engine", "track", "setting", "value", "towards")),
-        Column("before", "turned.before", ".2g"),
-        Column("after", "turned.after", ".2g"),
+        *plain("before=turned.before:.2g", "after=turned.after:.2g"),
         Column("closes", lambda row: "" if row.turned.closes is None else f"{100 * row.turned.closes:.0f} %"),
         Column("cause", lambda row: "yes" if row.turned.cause else ""),
     ),

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from plumbline.harness.findings.columns import Column, Table, names, outcome, side
+from plumbline.harness.findings.columns import Column, Table, names, outcome, plain, side
 from plumbline.harness.findings.once import all_once
 from plumbline.harness.findings.spoken import SPOKEN
 from plumbline.harness.store.journal import NotKept
@@ -210,8 +210,7 @@ TABLE = Table(
         Column("way", "way"),
         Column("verdict", lambda row: outcome(row, 50)),
         Column("first step that differs", lambda row: "" if row.first_step is None else f"{row.first_step} of {row.steps}"),
-        Column("farthest", "farthest", ".2g", " m"),
-        Column("doubles in", "doubles_in", ".3g", " s"),
+        *plain("farthest=farthest:.2g m", "doubles in=doubles_in:.3g s"),
     ),
     sentences=sentences,
 )

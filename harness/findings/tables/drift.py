@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from plumbline.harness.findings.columns import Column, Table
+from plumbline.harness.findings.columns import Column, Table, plain
 from plumbline.harness.findings.parameter_words import substeps_taken
 from plumbline.harness.metric import NotMeasurable
 from plumbline.harness.metrics.conservation import energy_change
@@ -126,8 +126,7 @@ TABLE = Table(
             "per second",
             lambda drift: f"{fit.slope:.2g} ({fit.low:.2g}..{fit.high:.2g})" if (fit := drift.fit) is not None else "",
         ),
-        Column("over the run", "change", ".2g"),
-        Column("swings by", "fit.swing", ".2g"),
+        *plain("over the run=change:.2g", "swings by=fit.swing:.2g"),
         Column("verdict", _verdict),
     ),
     sentences=_sentences,

@@ -7,19 +7,25 @@ from typing import Any
 import pandas as pd
 
 from plumbline.harness.case.alteration import EVERYTHING, REFINED
-from plumbline.harness.findings.columns import Column, Table, bracketed, known, names, outcome, side
+from plumbline.harness.findings.columns import Column, Table, bracketed, known, names, outcome, plain, side
 from plumbline.harness.findings.cost_point import BlockSample, SampledBlock, ratio_in_blocks, samples_by_block
 from plumbline.harness.findings.effects_audit import (
+    ALONE,
     AS_IT_IS,
+    NOBODY,
     NOT_JUDGED,
+    Effects,
     EffectVerdict,
+    Need,
+    Word,
     audit,
     named_scene,
+    needs,
+    own_word,
     proposed,
     savings,
     scenes_of,
 )
-from plumbline.harness.findings.effects_jury import ALONE, NOBODY, Effects, Need, Word, needs, own_word
 from plumbline.harness.findings.once import all_once
 from plumbline.harness.findings.parameter_words import differing, in_words
 from plumbline.harness.search.needless_effects import Consequence, departure, matters, scale_in, weighed
@@ -197,8 +203,7 @@ TABLE = Table(
         Column("engine", side),
         Column("effect", "effect"),
         Column("cost", lambda row: "" if row.cost is None else f"x {row.cost.value:.3g} ({bracketed(row.cost, '.3g', '..')})"),
-        Column("moves", "moved", ".2g"),
-        Column("own error", "own", ".2g"),
+        *plain("moves=moved:.2g", "own error=own:.2g"),
         Column("verdict", lambda row: row.verdict if row.verdict == "insisted on" else outcome(row, 70)),
     ),
     sentences=sentences,

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from plumbline.harness.findings.columns import Column, Table, at, milli, scene
+from plumbline.harness.findings.columns import Column, Table, at, milli, plain, scene
 from plumbline.harness.findings.limits_found import amount, searches
 from plumbline.harness.findings.standing import Reach, reaches
 
@@ -27,8 +27,7 @@ TABLE = Table(
     objects=lambda store: reaches(searches(store)),
     shown=(
         Column("case", lambda row: scene(row.search)),
-        Column("engine", "search.engine"),
-        Column("at", "at"),
+        *plain("engine=search.engine", "at"),
         Column("condition", lambda row: f"{1e3 * row.condition:.3g} ms" + ("" if row.parts else " a step")),
         Column("axis", "search.axis"),
         Column("held", lambda row: amount(at(row, "hold.value"), "none")),

@@ -33,12 +33,9 @@ TABLE = Table(
     holds=names(Lead),
     objects=_leads,
     shown=(
-        Column("of", "what"),
-        *plain("at", "condition"),
+        *plain("of=what", "at", "condition"),
         Column("with ours", lambda row: "yes" if row.ours else "no"),
-        *plain("engine", "alone"),
-        Column("with others", "shared"),
-        Column("asked", "of"),
+        *plain("engine", "alone", "with others=shared", "asked=of"),
     ),
     sentences=_sentences,
 )

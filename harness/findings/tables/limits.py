@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from operator import attrgetter
 
-from plumbline.harness.findings.columns import Column, Table, Titled, Titles, milli, names, scene
+from plumbline.harness.findings.columns import Column, Table, Titled, Titles, milli, names, plain, scene
 from plumbline.harness.findings.limits_found import CONSTANT, Search, amount, searches
 from plumbline.harness.findings.parameter_words import called
 from plumbline.harness.findings.standing import is_reference, leaders
@@ -84,8 +84,7 @@ TABLE = Table(
         Column("Track", "track"),
         Column("Axis", lambda search: called(search.case, search.axis)),
         Column("Unit", lambda search: "" if search.unit == "1" else search.unit),
-        Column("Held to", "held"),
-        Column("Broke at", "broke"),
+        *plain("Held to=held", "Broke at=broke"),
         Column("CPU time [ms/s]", lambda search: milli(search.cost)),
         Column("By", _signs),
     ),

@@ -188,12 +188,9 @@ TABLE = Table(
     "coarse=fit.coarse fine=fit.fine promised verdict finding",
     objects=convergences,
     shown=(
-        *plain("case", "engine", "track", "integrator"),
-        Column("promised", "promised", "d"),
-        Column("order", "fit.order", ".2f"),
+        *plain("case", "engine", "track", "integrator", "promised=promised:d", "order=fit.order:.2f"),
         Column("interval", lambda row: bracketed(row.fit and Interval(row.fit.order, row.fit.low, row.fit.high), ".2f")),
-        Column("floor", "fit.floor", ".2g"),
-        Column("verdict", "verdict"),
+        *plain("floor=fit.floor:.2g", "verdict"),
     ),
     sentences=lambda rows: [row.finding for row in rows if row.finding],
 )

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 
-from plumbline.harness.findings.columns import Column, Table, Titled, Titles, at, bracketed, milli, scene, span
+from plumbline.harness.findings.columns import Column, Table, Titled, Titles, at, bracketed, milli, plain, scene, span
 from plumbline.harness.findings.emulations import share_in_words
 from plumbline.harness.findings.parameter_words import step_in_words
 from plumbline.harness.findings.prices import Beyond, Price, Reached, Silent, priced
@@ -62,8 +62,7 @@ TABLE = Table(
     objects=lambda store: priced(store).prices,
     shown=(
         Column("case", scene),
-        Column("error", "target", ".0e"),
-        Column("engine", "engine"),
+        *plain("error=target:.0e", "engine"),
         Column("CPU s", _cost),
         Column("95 %", lambda price: bracketed(at(price, "reached.cost"), ".3g")),
         Column("x cheapest", "reached.ratio.value", ".3g"),

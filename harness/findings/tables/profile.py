@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from operator import attrgetter
 from typing import NamedTuple
 
-from plumbline.harness.findings.columns import Column, Table, at
+from plumbline.harness.findings.columns import Column, Table, at, plain
 from plumbline.harness.findings.prices import PER_SECOND, Price, priced
 from plumbline.harness.findings.standing import is_reference
 from plumbline.harness.store.rows import grouped
@@ -127,10 +127,7 @@ TABLE = Table(
     holds="engine limit within share low high without_low=without_low.words without_high=without_high.words pairs",
     objects=lambda store: profile(priced(store).prices),
     shown=(
-        Column("engine", "engine"),
-        Column("within", "within", "g"),
-        Column("", "limit"),
-        Column("share", "share", ".0%"),
+        *plain("engine", "within=within:g", "=limit", "share=share:.0%"),
         Column("least, without", lambda row: f"{row.low:.0%} {row.without_low.words}"),
         Column("most, without", lambda row: f"{row.high:.0%} {row.without_high.words}"),
     ),

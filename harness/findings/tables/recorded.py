@@ -26,8 +26,7 @@ from plumbline.harness.store.imported_scenes import states_of
 from plumbline.harness.store.journal import StoreError
 from plumbline.harness.store.store import Store
 from plumbline.harness.trajectory import Floats
-from plumbline.harness.trajectory.carried_inertia import carried
-from plumbline.harness.trajectory.kinematics import joint_coordinate
+from plumbline.harness.trajectory.kinematics import carried, joint_coordinate
 
 
 def _explains(name: str) -> Column:
@@ -159,8 +158,7 @@ TABLE = Table(
     shown=(
         *plain("engine", "track", "joint"),
         Column("rms", lambda row: f"{row.rms:.3g} {row.unit}"),
-        Column("largest", "largest", ".3g"),
-        Column("friction (fit)", "friction", ".3g"),
+        *plain("largest=largest:.3g", "friction (fit)=friction:.3g"),
         _explains("friction"),
         Column("damping (fit)", "damping", ".3g"),
         _explains("damping"),

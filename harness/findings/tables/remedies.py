@@ -6,7 +6,7 @@ from typing import Any
 
 import pandas as pd
 
-from plumbline.harness.findings.columns import Cell, Column, Table, known, names, scene
+from plumbline.harness.findings.columns import Cell, Column, Table, known, names, plain, scene
 from plumbline.harness.findings.limits_found import Search, amount, searches
 from plumbline.harness.store.store import Store
 from plumbline.harness.trial.ensemble import HELD
@@ -92,12 +92,9 @@ TABLE = Table(
     objects=remedied,
     shown=(
         Column("case", scene),
-        Column("engine", "engine"),
-        Column("setting", "track"),
+        *plain("engine", "setting=track"),
         Column("broke at", lambda row: f"{row.axis} {row.value:.4g}{'' if row.unit == '1' else ' ' + row.unit}"),
-        Column("remedy", "remedy"),
-        Column("held before", "share_before", ".2f"),
-        Column("held after", "share_after", ".2f"),
+        *plain("remedy", "held before=share_before:.2f", "held after=share_after:.2f"),
         Column("now holds to", lambda row: amount(row.held, "")),
         Column("cost", lambda row: "" if row.cost_ratio is None else f"x {row.cost_ratio:.2g}"),
         Column("verdict", "verdict"),

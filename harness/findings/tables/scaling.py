@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from plumbline.harness.findings.columns import Column, Table, at, scene
+from plumbline.harness.findings.columns import Column, Table, at, plain, scene
 from plumbline.harness.findings.cost_point import BlockSample, Clock, SampledBlock, ratio_in_blocks, samples_by_block
 from plumbline.harness.findings.emulations import share_in_words
 from plumbline.harness.findings.once import once
@@ -392,10 +392,10 @@ def _micro(value: float) -> str:
 
 
 def _given(trials: pd.DataFrame) -> list[dict[str, Any]]:
-    """The parameters of trials; two more say what was clocked and in how many processes, where that is not the plain step."""
+    """The parameters of trials; two more say what was clocked and in how many processes, where that is no plain step."""
     given: list[dict[str, Any]] = [json.loads(text) for text in trials["parameters"]]
-    for name, column, plain in (("clocked", "clocks", "work"), ("workers", "workers", 1)):
-        if column in trials and (trials[column] != plain).any():
+    for name, column, as_it_is in (("clocked", "clocks", "work"), ("workers", "workers", 1)):
+        if column in trials and (trials[column] != as_it_is).any():
             given = [
                 parameters | {name: CLOCKED.get(value, value)} for parameters, value in zip(given, trials[column], strict=True)
             ]
@@ -417,9 +417,7 @@ TABLE = Table(
     objects=lambda store: scaling_of(store).rows,
     shown=(
         Column("scene", scene),
-        Column("engine", "engine"),
-        Column("setting", "track"),
-        Column("a", "unit"),
+        *plain("engine", "setting=track", "a=unit"),
         Column("costs", _costs),
         Column("x fastest", "to_fastest.value", ".3g"),
         Column(

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from operator import itemgetter
 from typing import Any
 
-from plumbline.harness.findings.columns import Cell, Column, Table, Titled, Titles, milli, names, scene
+from plumbline.harness.findings.columns import Cell, Column, Table, Titled, Titles, milli, names, plain, scene
 from plumbline.harness.findings.cost_point import CostPoint
 from plumbline.harness.findings.once import once
 from plumbline.harness.findings.parameter_words import step_in_words, substeps_of
@@ -134,13 +134,10 @@ TABLE = Table(
     objects=largest_steps,
     shown=(
         Column("case", scene),
-        Column("engine", "engine"),
-        Column("setting", "track"),
+        *plain("engine", "setting=track"),
         Column("stable up to", lambda row: _worded("stable", row)),
         Column("within 1 % up to", lambda row: _worded("accurate", row)),
-        Column("error there", "error", ".2g"),
-        Column("times real time", "realtime", ".3g"),
-        Column("steps run", "runs", "d"),
+        *plain("error there=error:.2g", "times real time=realtime:.3g", "steps run=runs:d"),
     ),
     sentences=_sentences,
     paper=(
@@ -150,8 +147,6 @@ TABLE = Table(
         Column("Stable to [ms]", lambda step: milli(step.stable)),
         Column("Sub-steps", "stable_substeps"),
         Column("Within 1 % to [ms]", lambda step: milli(step.accurate)),
-        Column("Sub-steps", "accurate_substeps"),
-        Column("Error there", "error"),
-        Column("Times real time", "realtime"),
+        *plain("Sub-steps=accurate_substeps", "Error there=error", "Times real time=realtime"),
     ),
 )

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from operator import attrgetter, itemgetter
 from typing import Any, Literal
 
-from plumbline.harness.findings.columns import Cell, Column, Table, names, scene
+from plumbline.harness.findings.columns import Cell, Column, Table, names, plain, scene
 from plumbline.harness.findings.once import once
 from plumbline.harness.findings.parameter_words import differing, said
 from plumbline.harness.metrics.equivalence import world_spread
@@ -139,12 +139,9 @@ TABLE = Table(
         Column("scene", scene),
         Column("engine", "engine"),
         Column("setting", lambda row: f"{row.track}, {1e3 * row.dt:.3g} ms"),
-        Column("worlds", "worlds"),
-        Column("steps/s", "rate.value", ",.0f"),
-        Column("error", "error", ".3g"),
+        *plain("worlds", "steps/s=rate.value:,.0f", "error=error:.3g"),
         Column("kB a world", lambda row: "" if row.memory is None else f"{row.memory / 1e3:.3g}"),
-        Column("places", "places"),
-        Column("sizes", "sizes"),
+        *plain("places", "sizes"),
         # * the engine's fastest number of worlds, ~ an unstable timing
         Column("marks", lambda row: ("*" if row.best else "") + ("~" if row.unstable else "")),
         Column("status", lambda row: row.status if row.status == "passed" else f"{row.status}: {row.reason[:64]}"),

@@ -242,9 +242,7 @@ TABLE = Table(
     f"{' '.join(f'{name}=changed.{name}' for name in CHANGES)} cause why trial=base.trial",
     objects=findings,
     shown=(
-        Column("engine", "engine"),
-        Column("setting", "track"),
-        Column("stiffness", "stiffness", "g"),
+        *plain("engine", "setting=track", "stiffness=stiffness:g"),
         Column("dt", lambda base: step_in_words(base.dt, base.substeps)),
         Column("vibration", lambda base: "falls" if base.falls else f"{base.base.vibration:.2g} rad/s"),
         Column("at", "frequency", ".3g", " Hz"),

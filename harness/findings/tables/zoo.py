@@ -176,10 +176,7 @@ TABLE = Table(
         *plain("robot", "engine"),
         Column("dropped", lambda row: row.dropped or row.needed),
         Column("verdict", _verdict),
-        Column("away", "away", ".2g"),
-        Column("cost", "cost", ".2g"),
-        *plain("cause"),
-        Column("omission", "omission", ".2g", " m"),
+        *plain("away=away:.2g", "cost=cost:.2g", "cause", "omission=omission:.2g m"),
     ),
     sentences=_sentences,
 )

@@ -8,6 +8,7 @@ gains are our own, of the order of humanoid robots.
 """
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 from plumbline.harness.props.robots.robot import MATERIAL, RobotOnFeet, hinge, inertia_of
@@ -117,9 +118,21 @@ def _slab(half_depth: float, half_breadth: float, segment: _Segment) -> Box:
     return Box(half_extents=(half_depth, half_breadth, segment.long / 2))
 
 
+def _chain(
+    root: str, rows: Iterable[tuple[Body, Vector3, Vector3, str, float]], s: float, side: str = ""
+) -> tuple[list[Body], list[Revolute]]:
+    """Bodies that hang on one another by hinges, the first on `root`: with anchor, axis, drive and position of its hinge."""
+    bodies: list[Body] = []
+    hinges: list[Revolute] = []
+    for body, anchor, axis, drive, position in rows:
+        bodies.append(replace(body, name=f"{side} {body.name}".strip()))
+        hinges.append(hinge(root, bodies[-1].name, anchor, axis, _drive(drive, s), position))
+        root = bodies[-1].name
+    return bodies, hinges
+
+
 def _leg(side: str, hip: Vector3, s: float) -> tuple[list[Body], list[Revolute]]:
     """From two housings at the hip down to the foot, which is a box from the heel on."""
-    strong, ankles = _drive("leg", s), _drive("ankle", s)
     knee = _below(hip, THIGH.long, -THIGH_LEAN)
     ankle = _below(knee, SHANK.long, SHANK_LEAN)
     heel = ankle[0] - HEEL * FOOT.long
@@ -127,53 +140,39 @@ def _leg(side: str, hip: Vector3, s: float) -> tuple[list[Body], list[Revolute]]
     box = Box(half_extents=(FOOT.long / 2, FOOT_BREADTH / 2, ANKLE / 2))
     sole = PlacedShape(shape=box, p_BS=((0.5 - FOOT.centre) * FOOT.long, 0.0, 0.0))
     foot = Body(
-        name=f"{side} foot",
+        name="foot",
         mass=mass,
         inertia=inertia_of(mass, FOOT.long, FOOT.radii),
         collision=(sole,),
         material=MATERIAL,
         p_WB=(heel + FOOT.centre * FOOT.long, hip[1], ANKLE / 2),
     )
-    bodies = [
-        _housing(f"{side} hip turn", HIP_MOTOR, hip),
-        _housing(f"{side} hip roll", HIP_MOTOR, hip),
-        _part(f"{side} thigh", THIGH, hip, _limb(0.07, THIGH), 2 * HIP_MOTOR, -THIGH_LEAN),
-        _part(f"{side} shank", SHANK, knee, _limb(0.05, SHANK), 0.0, SHANK_LEAN),
-        _housing(f"{side} ankle", ANKLE_MOTOR, ankle),
-        foot,
-    ]
-    hinges = [
-        hinge("pelvis", f"{side} hip turn", hip, Z, _drive("hip turn", s)),
-        hinge(f"{side} hip turn", f"{side} hip roll", hip, X, strong),
-        hinge(f"{side} hip roll", f"{side} thigh", hip, Y, strong, -THIGH_LEAN),
-        hinge(f"{side} thigh", f"{side} shank", knee, Y, strong, THIGH_LEAN + SHANK_LEAN),
-        hinge(f"{side} shank", f"{side} ankle", ankle, Y, ankles, -SHANK_LEAN),
-        hinge(f"{side} ankle", f"{side} foot", ankle, X, ankles),
-    ]
-    return bodies, hinges
+    rows = (
+        (_housing("hip turn", HIP_MOTOR, hip), hip, Z, "hip turn", 0.0),
+        (_housing("hip roll", HIP_MOTOR, hip), hip, X, "leg", 0.0),
+        (_part("thigh", THIGH, hip, _limb(0.07, THIGH), 2 * HIP_MOTOR, -THIGH_LEAN), hip, Y, "leg", -THIGH_LEAN),
+        (_part("shank", SHANK, knee, _limb(0.05, SHANK), 0.0, SHANK_LEAN), knee, Y, "leg", THIGH_LEAN + SHANK_LEAN),
+        (_housing("ankle", ANKLE_MOTOR, ankle), ankle, Y, "ankle", -SHANK_LEAN),
+        (foot, ankle, X, "ankle", 0.0),
+    )
+    return _chain("pelvis", rows, s, side)
 
 
 def _arm(side: str, shoulder: Vector3, s: float) -> tuple[list[Body], list[Revolute]]:
     """From two housings at the shoulder down to the hand."""
     elbow = _below(shoulder, UPPER_ARM.long)
     wrist = _below(elbow, FOREARM.long)
-    bodies = [
-        _housing(f"{side} shoulder pitch", SHOULDER_MOTOR, shoulder),
-        _housing(f"{side} shoulder roll", SHOULDER_MOTOR, shoulder),
-        _part(f"{side} upper arm", UPPER_ARM, shoulder, _limb(0.04, UPPER_ARM), 2 * SHOULDER_MOTOR),
-        _part(f"{side} forearm", FOREARM, elbow, _limb(0.035, FOREARM), WRIST_MOTOR),
-        replace(_housing(f"{side} wrist", WRIST_MOTOR, wrist), visual=(PlacedShape(shape=Sphere(radius=0.03)),)),
-        _part(f"{side} hand", HAND, wrist, _slab(0.04, 0.015, HAND)),
-    ]
-    hinges = [
-        hinge("chest", f"{side} shoulder pitch", shoulder, Y, _drive("shoulder", s)),
-        hinge(f"{side} shoulder pitch", f"{side} shoulder roll", shoulder, X, _drive("shoulder", s)),
-        hinge(f"{side} shoulder roll", f"{side} upper arm", shoulder, Z, _drive("arm turn", s)),
-        hinge(f"{side} upper arm", f"{side} forearm", elbow, Y, _drive("elbow", s)),
-        hinge(f"{side} forearm", f"{side} wrist", wrist, Z, _drive("wrist", s)),
-        hinge(f"{side} wrist", f"{side} hand", wrist, Y, _drive("wrist", s)),
-    ]
-    return bodies, hinges
+    housing = replace(_housing("wrist", WRIST_MOTOR, wrist), visual=(PlacedShape(shape=Sphere(radius=0.03)),))
+    upper = _part("upper arm", UPPER_ARM, shoulder, _limb(0.04, UPPER_ARM), 2 * SHOULDER_MOTOR)
+    rows = (
+        (_housing("shoulder pitch", SHOULDER_MOTOR, shoulder), shoulder, Y, "shoulder", 0.0),
+        (_housing("shoulder roll", SHOULDER_MOTOR, shoulder), shoulder, X, "shoulder", 0.0),
+        (upper, shoulder, Z, "arm turn", 0.0),
+        (_part("forearm", FOREARM, elbow, _limb(0.035, FOREARM), WRIST_MOTOR), elbow, Y, "elbow", 0.0),
+        (housing, wrist, Z, "wrist", 0.0),
+        (_part("hand", HAND, wrist, _slab(0.04, 0.015, HAND)), wrist, Y, "wrist", 0.0),
+    )
+    return _chain("chest", rows, s, side)
 
 
 def _trunk(hips: float, s: float) -> tuple[list[Body], list[Revolute], Vector3]:
@@ -183,25 +182,18 @@ def _trunk(hips: float, s: float) -> tuple[list[Body], list[Revolute], Vector3]:
     shoulders: Vector3 = (0.0, 0.0, midriff[2] + CHEST.long)
     neck: Vector3 = (0.0, 0.0, shoulders[2] + NECK_RISE)
     crown: Vector3 = (0.0, 0.0, neck[2] + HEAD.long)
-    held = _drive("waist", s)
-    bodies = [
-        _part("pelvis", PELVIS, navel, _slab(0.10, 0.16, PELVIS), solid=True),
-        _housing("waist roll", WAIST_MOTOR, navel),
-        _part("waist", WAIST, midriff, _slab(0.09, 0.13, WAIST), WAIST_MOTOR),
-        _part("chest", CHEST, shoulders, _slab(0.11, 0.17, CHEST), solid=True),
-        _housing("neck turn", NECK_MOTOR, neck),
-        _housing("neck pitch", NECK_MOTOR, neck),
-        _part("head", HEAD, crown, Capsule(radius=0.085, half_length=HEAD.long / 2 - 0.085), 2 * NECK_MOTOR, solid=True),
-    ]
-    hinges = [
-        hinge("pelvis", "waist roll", navel, X, held),
-        hinge("waist roll", "waist", navel, Y, held),
-        hinge("waist", "chest", midriff, Z, held),
-        hinge("chest", "neck turn", neck, Z, _drive("head turn", s)),
-        hinge("neck turn", "neck pitch", neck, Y, _drive("neck", s)),
-        hinge("neck pitch", "head", neck, X, _drive("neck", s)),
-    ]
-    return bodies, hinges, shoulders
+    pelvis = _part("pelvis", PELVIS, navel, _slab(0.10, 0.16, PELVIS), solid=True)
+    head = _part("head", HEAD, crown, Capsule(radius=0.085, half_length=HEAD.long / 2 - 0.085), 2 * NECK_MOTOR, solid=True)
+    rows = (
+        (_housing("waist roll", WAIST_MOTOR, navel), navel, X, "waist", 0.0),
+        (_part("waist", WAIST, midriff, _slab(0.09, 0.13, WAIST), WAIST_MOTOR), navel, Y, "waist", 0.0),
+        (_part("chest", CHEST, shoulders, _slab(0.11, 0.17, CHEST), solid=True), midriff, Z, "waist", 0.0),
+        (_housing("neck turn", NECK_MOTOR, neck), neck, Z, "head turn", 0.0),
+        (_housing("neck pitch", NECK_MOTOR, neck), neck, Y, "neck", 0.0),
+        (head, neck, X, "neck", 0.0),
+    )
+    bodies, hinges = _chain("pelvis", rows, s)
+    return [pelvis, *bodies], hinges, shoulders
 
 
 def humanoid(stiffness: float = 1.0) -> RobotOnFeet:

@@ -12,7 +12,7 @@ from plumbline.harness.scene import PlacedShape, Scene
 Outcome = Literal["exact", "approximated", "left_out"]
 """Carried over as it is; as something else, with an error; not at all."""
 Names = str | tuple[str, ...] | list[str]
-FATES: dict[str, dict[str, Any]] = tomllib.loads(Path(__file__).with_name("fidelity.toml").read_text(encoding="utf-8"))
+FATES: dict[str, list[Any]] = tomllib.loads(Path(__file__).with_name("fidelity.toml").read_text(encoding="utf-8"))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -60,8 +60,9 @@ class Fidelity:
     @classmethod
     def told(cls, fate: str, names: Names, value: float | None = None, count: int = 1, **holes: Any) -> "list[Fidelity]":
         """The row of a fate that fidelity.toml tells, what is in its braces filled in."""
-        row = {key: text.format(**holes) for key, text in FATES[fate].items()}
-        return cls.of(row.pop("outcome"), row.pop("element"), names, **row, value=value, count=count)
+        outcome, element, *texts = FATES[fate]
+        unit, becomes, consequence = (text.format(**holes) for text in texts)
+        return cls.of(outcome, element, names, becomes, consequence=consequence, value=value, unit=unit, count=count)
 
 
 COLUMNS = ("element", "name", "count", "outcome", "becomes", "consequence", "value", "unit")

@@ -29,10 +29,9 @@ from plumbline.harness.scene.importers.companion import Companion, Massless
 from plumbline.harness.scene.importers.consequences import Chain, Massive
 from plumbline.harness.scene.importers.kinematics import Line, Posed
 from plumbline.harness.scene.importers.materials import Laws
-from plumbline.harness.scene.importers.merging import Group, check_inertia
+from plumbline.harness.scene.importers.merging import Group, StandIns, between_joints, check_inertia, stand_ins
 from plumbline.harness.scene.importers.poses import Array, Pose, pose, quaternion, vector
 from plumbline.harness.scene.importers.robot import Closure, Coordinate, Cord, Geometry, Robot, symmetric
-from plumbline.harness.scene.importers.stand_ins import StandIns, between_joints, stand_ins
 from plumbline.harness.scene.importers.ties import coupled
 
 

@@ -1,13 +1,22 @@
-"""What fixed joints hold together, as one: groups of links with one mass, one tensor and all their shapes."""
+"""What fixed joints hold together, as one: groups of links with one mass, one tensor and all their shapes.
 
-from collections.abc import Mapping
+What stands between two joints: a link of the file without mass, or a share of the mass of a link that has several joints.
+
+A scene has one joint between two bodies. Where the axes of all later joints of a link meet in a
+point, that point is fixed in the link and in what stands before it, so that a part of the link's mass which lies there moves
+alike whether it belongs to the one or the other: nothing changes but by the moment of inertia that a body has to have.
+"""
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from plumbline.harness.intake.error import RobotError, listed
+from plumbline.harness.scene.importers.kinematics import Line
 from plumbline.harness.scene.importers.poses import IDENTITY, Array, Pose
-from plumbline.harness.scene.importers.robot import ContactRules, Geometry, Link, Robot, Solid
+from plumbline.harness.scene.importers.robot import ContactRules, Coordinate, Geometry, Link, Robot, Solid
 from plumbline.harness.scene.importers.solids import moved, together
 
 
@@ -94,3 +103,98 @@ def check_inertia(group: Group, tensor: Array) -> None:
         f"{group.lead.where}: {links} principal moments ({a:.6g}, {b:.6g}, {c:.6g}) kg m2, of which the largest "
         "exceeds the sum of the others; no body has such a tensor (triangle inequality)"
     )
+
+
+SHARE = 0.01
+"""Of the link's mass that all that stands before it takes together; a tenth of that, again and again, where the rest would have
+a tensor that no body has."""
+LEAST = 1e-5
+MOMENT = 1e-4
+"""Of the link's least principal moment of inertia that each gets: what it adds is smaller than what engines agree to."""
+MEETS = 1e-9
+"""How far from an axis a point may be that lies on it [m]: rounding of numbers of a metre."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StandIns:
+    """Terms: centres (k, 3) m in W, of one behind each joint but the last; mass [kg], moment [kg m2] of each; rest: what the
+    link keeps, in its frame."""
+
+    centres: Array
+    mass: float
+    moment: float
+    rest: Solid
+
+
+def stand_ins(lines: Sequence[Line], solid: Solid | None, X: Pose) -> StandIns | None:
+    """What stands between these joints of a link with this mass at the pose X; None where nothing can without changing more."""
+    if solid is None or solid.inertia is None or any(line.coordinate.kind not in ("revolute", "ball") for line in lines[1:]):
+        return None
+    centres = [_meeting(lines[k + 1 :]) for k in range(len(lines) - 1)]
+    points = [centre for centre in centres if centre is not None]
+    least = float(np.linalg.eigvalsh(solid.inertia)[0])
+    if len(points) < len(centres) or least <= 0:
+        return None
+    share = SHARE
+    while share >= LEAST:
+        mass = share * solid.mass / len(points)
+        rest = _without(solid, mass, [X.R.T @ (point - X.p) for point in points])
+        assert rest.inertia is not None
+        a, b, c = np.linalg.eigvalsh(rest.inertia)
+        if a > 0 and a + b >= c:
+            return StandIns(np.array(points), mass, MOMENT * least, rest)
+        share /= 10
+    return None
+
+
+def _meeting(lines: Sequence[Line]) -> Array | None:
+    """The point in W [m] in which the axes of all these joints meet, nearest to the first one's anchor; None without one."""
+    normal, offset, anchor = np.zeros((3, 3)), np.zeros(3), lines[0].anchor_W
+    for line in lines:
+        # A ball has no axis: its point alone.
+        across = np.eye(3) if line.coordinate.kind == "ball" else np.eye(3) - np.outer(line.axis_W, line.axis_W)
+        normal += across
+        offset += across @ (line.anchor_W - anchor)
+    point: Array = anchor + np.linalg.lstsq(normal, offset, rcond=1e-9)[0]
+    for line in lines:
+        away = point - line.anchor_W
+        if line.coordinate.kind == "revolute":
+            away = away - line.axis_W * (line.axis_W @ away)
+        if np.linalg.norm(away) > MEETS:
+            return None
+    return point
+
+
+def _without(solid: Solid, mass: float, points: Sequence[Array]) -> Solid:
+    """The solid without so much mass at each of these points of its frame."""
+    assert solid.inertia is not None
+    left = solid.mass - mass * len(points)
+    centre = (solid.mass * solid.centre - mass * np.sum(points, axis=0)) / left
+    tensor = solid.inertia + solid.mass * _of_point(solid.centre - centre)
+    for point in points:
+        tensor = tensor - mass * _of_point(point - centre)
+    return Solid(left, centre, tensor)
+
+
+def _of_point(r: Array) -> Array:
+    """The inertia of 1 kg at a place r [m]."""
+    tensor: Array = float(r @ r) * np.eye(3) - np.outer(r, r)
+    return tensor
+
+
+def between_joints(groups: Mapping[str, Group]) -> frozenset[str]:
+    """The leads of groups without mass and shapes that hang on joints with one coordinate each and carry one such group."""
+    single = {
+        lead for lead, group in groups.items() if group.lead.coordinates and all(map(_turns_or_slides, group.lead.coordinates))
+    }
+    carried = Counter(group.parent for group in groups.values())
+    carries = {group.parent for lead, group in groups.items() if lead in single}
+    return frozenset(
+        lead
+        for lead in single & carries
+        if carried[lead] == 1 and groups[lead].solid is None and not groups[lead].geometries and not groups[lead].drawn
+    )
+
+
+def _turns_or_slides(c: Coordinate) -> bool:
+    return c.kind in ("revolute", "prismatic")

@@ -14,7 +14,7 @@ from plumbline.harness.intake.documents import named
 from plumbline.harness.intake.error import RobotError, listed
 from plumbline.harness.intake.near_miss import did_you_mean
 from plumbline.harness.intake.safe_text import quoted, readable
-from plumbline.harness.scene.importers import mjcf_actuators, mjcf_contacts, mjcf_sensors, mjcf_shapes, urdf
+from plumbline.harness.scene.importers import mjcf_actuators, mjcf_sensors, mjcf_shapes, urdf
 from plumbline.harness.scene.importers.companion import Cameras
 from plumbline.harness.scene.importers.fidelity import Fidelity
 from plumbline.harness.scene.importers.files import text_of
@@ -51,7 +51,7 @@ def robot_of(
     for k, own in enumerate(names[1:], 1):
         if own == "world":
             names[k] = f"body_{k}"
-    shapes, contacts, rows = mjcf_contacts.read(model, names)
+    shapes, contacts, rows = mjcf_shapes.contact_laws(model, names)
     servos, pulls, more, needs = mjcf_actuators.read(model, start.ctrl)
     rows += more
     solids = mjcf_shapes.geometries(model, shapes, rows, needs)

@@ -10,12 +10,23 @@ from plumbline.harness.intake.documents import named
 from plumbline.harness.intake.error import RobotError, listed
 from plumbline.harness.intake.import_wishes import Drop, Omissions, Wishes
 from plumbline.harness.intake.safe_text import quoted, readable
-from plumbline.harness.scene import EARTH_GRAVITY, WORLD, Camera, DepthCamera, PlacedShape, Samples, Scene, Surface
-from plumbline.harness.scene.file import uncollected
-from plumbline.harness.scene.importers import own, scenarios
+from plumbline.harness.scene import (
+    EARTH_GRAVITY,
+    WORLD,
+    Camera,
+    DepthCamera,
+    PlacedShape,
+    Prismatic,
+    Revolute,
+    Samples,
+    Scene,
+    Surface,
+)
+from plumbline.harness.scene.file import load, uncollected
+from plumbline.harness.scene.importers import scenarios
 from plumbline.harness.scene.importers.companion import Base, Companion, beside, load_companion
 from plumbline.harness.scene.importers.consequences import consequences
-from plumbline.harness.scene.importers.decomposition import as_polyhedra
+from plumbline.harness.scene.importers.decomposition import as_polyhedra, in_pieces
 from plumbline.harness.scene.importers.fidelity import Fidelity, Imported
 from plumbline.harness.scene.importers.files import Folders, packages_above
 from plumbline.harness.scene.importers.importer import Reading
@@ -32,6 +43,64 @@ from plumbline.harness.scene.importers.scenarios import poses_of, swept
 from plumbline.harness.scene.importers.settling import NONE, followed, rooted, settled, undropped, wordless_kinds
 from plumbline.harness.scene.importers.ties import tied, untied
 from plumbline.harness.scene.importers.units import scaled, suspected
+
+_OF_A_RUN = ("duration", "dt", "look_at", "seed", "one_friction", "convex", "commands")
+
+
+def _own(path: Path, wishes: Wishes, companion: Companion, commands: Mapping[str, Samples] = NONE) -> Imported:
+    """A scene file ending in .toml or .json. Args: commands: targets over time by joint. Raises: SceneError, RobotError."""
+    scene = load(path)
+    default = Companion()
+    for name in Companion.__dataclass_fields__:
+        if name not in _OF_A_RUN and getattr(companion, name) != getattr(default, name):
+            raise RobotError(
+                f"{named(path)}: {name} in its companion file is for robot files; a scene says it itself, "
+                f"expected some of {', '.join(_OF_A_RUN)}"
+            )
+    if wishes.drop or wishes.packages or wishes.root or wishes.scenario:
+        raise RobotError(f"{named(path)}: --drop, --package, --root and --scenario are for robot files; a scene says it itself")
+    rows: list[Fidelity] = []
+    if wishes.one_friction or companion.one_friction:
+        surfaces, rows = one_friction(scene.surfaces)
+        scene = replace(scene, surfaces=surfaces)
+    if wishes.convex is not None:
+        scene, more = in_pieces(scene, wishes.convex, named(path), wishes.tell)
+        rows = [*rows, *more]
+    scene = commanded(scene, commands, f"{named(path)}: {companion.commands}")
+    return Imported(
+        name=path.stem,
+        scene=scene,
+        source=named(path),
+        fidelity=tuple(rows),
+        coordinates={joint.name: joint.position for joint in scene.joints if joint.type in ("revolute", "prismatic")},
+        links={body.name: body.name for body in scene.bodies},
+        duration=companion.duration,
+        dt=companion.dt,
+        look_at=companion.look_at,
+        seed=companion.seed,
+    )
+
+
+def commanded(scene: Scene, commands: Mapping[str, Samples], where: str) -> Scene:
+    """The scene whose drives follow these targets. Raises: RobotError, for a joint that has no drive with a stiffness."""
+    driven = [
+        joint.name
+        for joint in scene.joints
+        if isinstance(joint, Revolute | Prismatic) and joint.drive is not None and joint.drive.stiffness > 0
+    ]
+    for name in commands:
+        if name not in driven:
+            raise RobotError(
+                f"{where}: column {quoted(name, 80)} is no joint with a drive that follows, expected one of "
+                f"{listed(driven, 12) or 'none'}"
+            )
+    joints = tuple(
+        replace(joint, drive=replace(joint.drive, motion=commands[joint.name]))
+        if joint.name in commands and isinstance(joint, Revolute | Prismatic) and joint.drive is not None
+        else joint
+        for joint in scene.joints
+    )
+    return replace(scene, joints=joints)
 
 
 @uncollected()
@@ -51,7 +120,7 @@ def read(path: Path, wishes: Wishes | None = None, companion: Companion | None =
     beside_it, wishes = _wished(path, wishes, companion)
     commands = commands_of(path, beside_it)
     if path.suffix.lower() in OWN_ENDINGS:
-        return own.read(path, wishes, beside_it, commands)
+        return _own(path, wishes, beside_it, commands)
     robot = _robot(path, beside_it, wishes)
     return imported(robot, beside_it, wishes, commands)
 

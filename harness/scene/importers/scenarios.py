@@ -13,9 +13,8 @@ from plumbline.harness.scene.importers.companion import Companion, Ground
 from plumbline.harness.scene.importers.consequences import Massive, inertias
 from plumbline.harness.scene.importers.fidelity import Fidelity
 from plumbline.harness.scene.importers.robot import Coordinate, Robot, Servo
-from plumbline.harness.scene.motion import Sinusoid
-from plumbline.harness.scene.rotation import multiply, rotate, rotation_matrix
-from plumbline.harness.scene.support import support
+from plumbline.harness.scene.motion import Sinusoid, multiply, rotate, rotation_matrix
+from plumbline.harness.scene.shape import support
 
 CLEARANCE = 0.1
 """How high above the ground the lowest point of what is dropped starts [m]."""

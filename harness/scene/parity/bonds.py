@@ -9,7 +9,7 @@ from plumbline.harness.scene.importers.poses import Array, vector
 from plumbline.harness.scene.importers.robot import Closure, Geometry, Tie
 from plumbline.harness.scene.parity.canonical import FIXED, Canonical
 from plumbline.harness.scene.parity.difference import Difference, Yardstick
-from plumbline.harness.scene.support import support
+from plumbline.harness.scene.shape import support
 
 ALONE = "it binds coordinates that move freely without it; its effect is not worked out"
 _GOLDEN = np.pi * (1 + 5**0.5)

@@ -18,7 +18,18 @@ from plumbline.harness.conformance.engine import COARSE, FINE, Engine
 from plumbline.harness.conformance.frames import UPRIGHT, X, Y, Z
 from plumbline.harness.conformance.scenes import G, ground, on_ground, shaped, static
 from plumbline.harness.scene.body import PlacedShape
-from plumbline.harness.scene.inertia import (
+from plumbline.harness.scene.motion import axis_angle, multiply
+from plumbline.harness.scene.scene import Scene
+from plumbline.harness.scene.shape import (
+    Box,
+    Capsule,
+    ConvexHull,
+    Cylinder,
+    Ellipsoid,
+    Plane,
+    Shape,
+    Sphere,
+    TriangleMesh,
     box_inertia,
     capsule_inertia,
     cylinder_inertia,
@@ -26,9 +37,6 @@ from plumbline.harness.scene.inertia import (
     principal_inertia,
     sphere_inertia,
 )
-from plumbline.harness.scene.rotation import axis_angle, multiply
-from plumbline.harness.scene.scene import Scene
-from plumbline.harness.scene.shape import Box, Capsule, ConvexHull, Cylinder, Ellipsoid, Plane, Shape, Sphere, TriangleMesh
 from plumbline.harness.scene.values import Matrix3, Quaternion, Vector3
 
 DURATION = 3.0

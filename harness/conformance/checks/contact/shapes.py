@@ -11,10 +11,20 @@ from plumbline.harness.conformance.engine import Engine
 from plumbline.harness.conformance.frames import UPRIGHT, X, Y, Z, aligned, vector
 from plumbline.harness.conformance.scenes import G, ball, block, ground, lean, on_ground, shaped, static
 from plumbline.harness.scene.body import Body, PlacedShape
-from plumbline.harness.scene.inertia import principal_inertia
-from plumbline.harness.scene.rotation import axis_angle, multiply
+from plumbline.harness.scene.motion import axis_angle, multiply
 from plumbline.harness.scene.scene import Scene
-from plumbline.harness.scene.shape import Box, Capsule, ConvexHull, Cylinder, Ellipsoid, Plane, Shape, Sphere, TriangleMesh
+from plumbline.harness.scene.shape import (
+    Box,
+    Capsule,
+    ConvexHull,
+    Cylinder,
+    Ellipsoid,
+    Plane,
+    Shape,
+    Sphere,
+    TriangleMesh,
+    principal_inertia,
+)
 from plumbline.harness.scene.values import Quaternion
 from plumbline.harness.trajectory import Floats
 

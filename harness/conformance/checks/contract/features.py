@@ -15,15 +15,11 @@ from plumbline.harness.conformance.engine import Engine
 from plumbline.harness.conformance.frames import ORIGIN, X, Y, Z
 from plumbline.harness.conformance.scenes import ball, block, damped, free, ground, prismatic, revolute, shaped, static, tie
 from plumbline.harness.scene.body import Body, PlacedShape
-from plumbline.harness.scene.effect import Effect
-from plumbline.harness.scene.joint import WORLD, Ball, Coupling, Drive, Fixed, Joint, Limits, Spring
-from plumbline.harness.scene.motion import Sinusoid
-from plumbline.harness.scene.prescribed import Prescribed, Shift
-from plumbline.harness.scene.scene import Scene
+from plumbline.harness.scene.joint import WORLD, Ball, Coupling, Drive, Fixed, Joint, Limits, MomentArm, Spring, Tendon
+from plumbline.harness.scene.motion import Prescribed, Shift, Sinusoid
+from plumbline.harness.scene.scene import Effect, Scene, Surface
 from plumbline.harness.scene.sensor import Camera, Distortion
 from plumbline.harness.scene.shape import Box, Capsule, ConvexHull, Cylinder, Ellipsoid, Plane, Shape, Sphere, TriangleMesh
-from plumbline.harness.scene.surface import Surface
-from plumbline.harness.scene.tendon import MomentArm, Tendon
 from plumbline.harness.scene.values import Vector3
 
 CORNERS = tuple((x, y, z) for x in (-0.1, 0.1) for y in (-0.2, 0.2) for z in (-0.3, 0.3))

@@ -11,7 +11,7 @@ from plumbline.harness.conformance.engine import Engine, state_of
 from plumbline.harness.conformance.frames import ORIGIN, TURNED, X, Z, rotation
 from plumbline.harness.conformance.scenes import ball, free, static, static_cube, without_gravity
 from plumbline.harness.scene.body import PlacedShape
-from plumbline.harness.scene.rotation import axis_angle
+from plumbline.harness.scene.motion import axis_angle
 from plumbline.harness.scene.scene import Scene
 from plumbline.harness.scene.shape import Box, Capsule, Cylinder, Ellipsoid, Plane, Shape, Sphere
 from plumbline.harness.scene.values import Vector3

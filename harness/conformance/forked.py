@@ -43,8 +43,7 @@ def _asked(adapter: Adapter, track: Literal["default", "tuned"], check: Conforma
     try:
         while not how:
             if (message := inbox.next(_LISTENS)) is not None:
-                outcome: CheckOutcome = read_value(CheckOutcome, message[1])
-                return outcome
+                return read_value(CheckOutcome, message[1])
             if late := deadline.passed():
                 how = f"did not end within {LONGEST + adapter.compile_allowance:g} s, {late}"
     except EOFError:

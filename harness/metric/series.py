@@ -10,6 +10,7 @@ from typing import Literal
 import numpy as np
 
 from plumbline.harness.metric import Metric, NotMeasurable, Run
+from plumbline.harness.metric.metric import NO_SAMPLE
 from plumbline.harness.statistics.student import wilson_interval
 from plumbline.harness.trajectory import Floats
 
@@ -19,7 +20,7 @@ Series = Callable[[Run], Floats]
 
 def _some(series: Floats) -> Floats:
     if np.size(series) == 0:
-        raise NotMeasurable("no sample lies in the time that is judged")
+        raise NotMeasurable(NO_SAMPLE)
     return np.asarray(series, dtype=np.float64)
 
 
@@ -48,7 +49,6 @@ def last(series: Floats) -> float:
 
 def three(name: str, unit: str, source: str, series: Series) -> tuple[Metric, Metric, Metric]:
     """Three metrics of one series: '<name>_max', '<name>_rms' and '<name>_final'."""
-
     largest, final = two(name, unit, source, series)
     mean = Metric(name=f"{name}_rms", unit=unit, source=source, measure=lambda run: root_mean_square(series(run)))
     return largest, mean, final
@@ -56,11 +56,8 @@ def three(name: str, unit: str, source: str, series: Series) -> tuple[Metric, Me
 
 def two(name: str, unit: str, source: str, series: Series) -> tuple[Metric, Metric]:
     """Two metrics of one series: '<name>_max' and '<name>_final'."""
-
-    def reduced(suffix: str, reduce: Callable[[Floats], float]) -> Metric:
-        return Metric(name=f"{name}_{suffix}", unit=unit, source=source, measure=lambda run: reduce(series(run)))
-
-    return reduced("max", maximum), reduced("final", last)
+    final = Metric(name=f"{name}_final", unit=unit, source=source, measure=lambda run: last(series(run)))
+    return Metric(name=f"{name}_max", unit=unit, source=source, measure=series), final
 
 
 def proportion(

@@ -14,17 +14,18 @@ from contextlib import suppress
 from dataclasses import replace
 from functools import cache
 from multiprocessing.connection import Connection, wait
-from typing import Any
+from typing import Any, TypeVar
 
 from pydantic import TypeAdapter, ValidationError
 
 from plumbline.harness.intake.safe_text import readable
 from plumbline.harness.run.fork_servers import Forked
 from plumbline.harness.run.interrupt import MemoryWatch
-from plumbline.harness.store.record import Answer, Record, Sample
+from plumbline.harness.store.record import Answer, Record
 from plumbline.harness.study.trial import Trial
 from plumbline.harness.trial.bench import Sampling
 
+T = TypeVar("T")
 LONGEST = 4 * 2**20
 """Bytes of a line; the longest of the catalogue's records take some 30 kB."""
 _PART = 2**16
@@ -154,14 +155,15 @@ def _form(of: type) -> Callable[[str], Any]:
     return lambda text: adapter.validate_json(text, strict=True)
 
 
-def read_value(of: type, value: Any) -> Any:
+def read_value(of: type[T], value: Any) -> T:
     """A value of this type that a child told, with readable texts. Raises: BrokenMessage."""
     try:
-        return _form(of)(json.dumps(_cleaned(value)))
+        read: T = _form(of)(json.dumps(_cleaned(value)))  # type: ignore[arg-type]  # a class can be hashed
     except ValidationError as error:
         first = error.errors()[0]
         where = ".".join(map(str, first["loc"])) or of.__name__.lower()
         raise BrokenMessage(f"{where}: got {readable(repr(first['input']), 80)}: {first['msg']}") from None
+    return read
 
 
 def read_record(trial: Trial, value: Any, earlier: str = "") -> Record:
@@ -169,19 +171,13 @@ def read_record(trial: Trial, value: Any, earlier: str = "") -> Record:
 
     Args: earlier: whose answer it may have judged. Raises: BrokenMessage.
     """
-    answer: Answer = read_value(Answer, value)
+    answer = read_value(Answer, value)
     return trial.record(replace(answer, simulated_as=earlier if answer.simulated_as else ""))
-
-
-def read_sample(value: Any) -> Sample:
-    """The sample that a child told. Raises: BrokenMessage."""
-    sample: Sample = read_value(Sample, value)
-    return sample
 
 
 def read_sampling(value: Any) -> Sampling:
     """How a child says that it samples. Raises: BrokenMessage."""
-    sampling: Sampling = read_value(Sampling, value)
+    sampling = read_value(Sampling, value)
     if sampling.steps < 1 or sampling.run < 0 or (sampling.run and sampling.steps % sampling.run):
         raise BrokenMessage(f"sampling: got {sampling.steps} steps of runs of {sampling.run}, expected whole runs")
     return sampling

@@ -20,7 +20,7 @@ from plumbline.harness.intake.safe_text import readable
 from plumbline.harness.run.child import confine, end_started
 from plumbline.harness.run.fork_servers import Origin, start
 from plumbline.harness.run.interrupt import MemoryWatch, hour, naming, stop_if_asked
-from plumbline.harness.run.message import BrokenMessage, Inbox, Worker, read_sample, read_sampling, send
+from plumbline.harness.run.message import BrokenMessage, Inbox, Worker, read_sampling, read_value, send
 from plumbline.harness.store.record import Sample
 from plumbline.harness.study import plugins
 from plumbline.harness.study.environments import elsewhere
@@ -176,7 +176,7 @@ class Clocked(Worker):
 def _read(kind: str, value: object) -> Sampling | Sample | Ready | str:
     """What a child told: how it samples, that it waits, a sample, or what went wrong. Raises: BrokenMessage."""
     if kind == "sample":
-        return read_sample(value)
+        return read_value(Sample, value)
     if kind == "sampling":
         return read_sampling(value)
     if kind == "waiting":

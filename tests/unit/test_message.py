@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from plumbline.harness.intake.safe_text import readable
-from plumbline.harness.run.message import LONGEST, BrokenMessage, Inbox, read_sample, send
+from plumbline.harness.run.message import LONGEST, BrokenMessage, Inbox, read_value, send
 from plumbline.harness.store.record import Sample
 
 SAMPLE = Sample(process=0, block=1, steps=7, cpu=0.1, wall=0.2, canary=0.3, switches=0)
@@ -46,7 +46,7 @@ def test_what_was_said_before_a_death_is_heard_and_then_the_end(ends: tuple[Inbo
     pipe.close()
     told = inbox.next(1.0)
     assert told is not None
-    assert read_sample(told[1]) == SAMPLE
+    assert read_value(Sample, told[1]) == SAMPLE
     with pytest.raises(EOFError):
         inbox.next(1.0)
 
@@ -73,7 +73,7 @@ def test_no_message_is_too_long(ends: tuple[Inbox, Connection]) -> None:
 @pytest.mark.parametrize("cpu", ["0.1", True, None, [0.1]])
 def test_a_sample_of_other_types_is_broken(cpu: object) -> None:
     with pytest.raises(BrokenMessage, match="cpu"):
-        read_sample({"process": 0, "block": 1, "steps": 7, "cpu": cpu, "wall": 0.2, "canary": 0.3, "switches": 0})
+        read_value(Sample, {"process": 0, "block": 1, "steps": 7, "cpu": cpu, "wall": 0.2, "canary": 0.3, "switches": 0})
 
 
 def test_text_is_made_readable() -> None:

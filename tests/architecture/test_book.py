@@ -173,7 +173,7 @@ def test_a_concept_that_is_missing_or_told_twice_is_seen() -> None:
     ("concepts", "lost"),
     [
         (["implicit midpoint"], ["engine/integrate/implicit_midpoint.py"]),
-        (["sharing of a load"], ["engine/respond/share_loads.py"]),
+        (["sweeps at once"], ["engine/respond/jacobi.py"]),
     ],
 )
 def test_a_technique_that_nothing_leads_to_is_seen(concepts: list[str], lost: list[str]) -> None:

@@ -155,8 +155,8 @@ def assemble_held(floats: Floats, ints: Ints, made: ContactRows, lift: Floats, h
     across[:k, :, :width] = held.movers.weighted(made.row, made.body).reshape(k, 3, width)
     across[k:, 0, :width] = held.reach[rows]
     q, brought, friction, lifts = (np.zeros((len(across), *more)) for more in ((3,), (3,), (), ()))
-    q[:k], brought[:k] = rates(state, made.row, made.body).reshape(-1, 3), made.said[:, BROUGHT : BROUGHT + 3]
-    friction[:k], lifts[:k] = made.said[:, FRICTION], lift
+    q[:k], brought[:k] = rates(state, made.row, made.body).reshape(-1, 3), made.values[:, BROUGHT : BROUGHT + 3]
+    friction[:k], lifts[:k] = made.values[:, FRICTION], lift
     q[k:, 0] = rates(state, held.row[rows], held.body[rows])
     if left > 0.0:
         lifts[k:] = np.maximum(held.gap[stops] - TOUCHING, 0.0) / left

@@ -59,8 +59,8 @@ def kick_touched(floats: Floats, ints: Ints, h: float) -> float:
 
 
 @entry
-def write_contacts(floats: Floats, ints: Ints, points: Ints, body: Ints, row: Floats, said: Floats) -> int:
-    """Write points (k,), body (3k, 2), row (3k, 18) and said (k, COLUMNS), as of `ContactRows`, of all present contacts.
+def write_contacts(floats: Floats, ints: Ints, points: Ints, body: Ints, row: Floats, values: Floats) -> int:
+    """Write points (k,), body (3k, 2), row (3k, 18) and values (k, COLUMNS), as of `ContactRows`, of all present contacts.
 
     Returns: k.
     """
@@ -78,9 +78,9 @@ def write_contacts(floats: Floats, ints: Ints, points: Ints, body: Ints, row: Fl
                 store3(row, r, at.JACOBIAN + 3, cross(axis, load3(point, p, at.ARM_A)))
                 store3(row, r, at.JACOBIAN + 6, axis)
                 store3(row, r, at.JACOBIAN + 9, cross(load3(point, p, at.ARM_B), axis))
-                said[k, BROUGHT + c] = dot(axis, impulse)
-            said[k, FRICTION], said[k, RESTITUTION] = manifold[m, at.LAW + 1], manifold[m, at.LAW + 2]
-            said[k, APART] = point[p, at.SEPARATION]
+                values[k, BROUGHT + c] = dot(axis, impulse)
+            values[k, FRICTION], values[k, RESTITUTION] = manifold[m, at.LAW + 1], manifold[m, at.LAW + 2]
+            values[k, APART] = point[p, at.SEPARATION]
             k += 1
     return k
 

@@ -33,27 +33,27 @@ class ContactRows:
     """The contacts of a problem.
 
     Terms: points (k,): rows of the arena's points; body (3k, 2), row (3k, 18): three rows each, along the normal and two
-        tangents; said (k, COLUMNS): what else there is of each.
+        tangents; values (k, COLUMNS): what else there is of each.
     """
 
     points: Ints
     body: Ints
     row: Floats
-    said: Floats
+    values: Floats
 
     def of(self, which: NDArray[np.bool_]) -> "ContactRows":
         """These (k,) contacts alone."""
         each = np.repeat(which, 3)
-        return ContactRows(self.points[which], self.body[each], self.row[each], self.said[which])
+        return ContactRows(self.points[which], self.body[each], self.row[each], self.values[which])
 
 
 def contact_rows(floats: Floats, ints: Ints) -> ContactRows:
     """All present contacts."""
     most = 4 * int(at.int_table(ints, at.COUNT)[0, at.MANIFOLDS])
     points, body = np.empty(most, np.int64), np.empty((3 * most, 2), np.int64)
-    row, said = np.zeros((3 * most, at.HIGH + 1)), np.empty((most, COLUMNS))
-    k = write_contacts(floats, ints, points, body, row, said)
-    return ContactRows(points[:k], body[: 3 * k], row[: 3 * k], said[:k])
+    row, values = np.zeros((3 * most, at.HIGH + 1)), np.empty((most, COLUMNS))
+    k = write_contacts(floats, ints, points, body, row, values)
+    return ContactRows(points[:k], body[: 3 * k], row[: 3 * k], values[:k])
 
 
 def rates(state: Floats, row: Floats, body: Ints) -> Floats:
@@ -69,20 +69,20 @@ def pace_of(u: Floats) -> float:
 
 def closing(made: ContactRows, h: float) -> Floats:
     """The velocities (k,) m/s at which gaps close in h seconds; 0 for what touches."""
-    return np.maximum(made.said[:, APART] - TOUCHING, 0.0) / h
+    return np.maximum(made.values[:, APART] - TOUCHING, 0.0) / h
 
 
 def rebound(state: Floats, made: ContactRows, struck: NDArray[np.bool_]) -> Floats:
     """e u_before (k,) m/s at the present velocities of the contacts that are struck (k,); 0 for the others."""
     u = rates(state, made.row[::3], made.body[::3])
-    return np.where(struck, made.said[:, RESTITUTION] * np.minimum(u, 0.0), 0.0)
+    return np.where(struck, made.values[:, RESTITUTION] * np.minimum(u, 0.0), 0.0)
 
 
 def time_to_blow(state: Floats, made: ContactRows, left: float, slow: float) -> Floats:
     """When (k,) s the present velocities close the gaps of contacts with restitution; inf beyond `left`, or below `slow`."""
     # A gap of TOUCHING is left by what is not told from touching; it would end the approach before the blow.
-    gap, u = np.maximum(made.said[:, APART] - 2.0 * TOUCHING, 0.0), rates(state, made.row[::3], made.body[::3])
-    strikes = (made.said[:, RESTITUTION] > 0.0) & (u < -slow) & (gap < -u * left)
+    gap, u = np.maximum(made.values[:, APART] - 2.0 * TOUCHING, 0.0), rates(state, made.row[::3], made.body[::3])
+    strikes = (made.values[:, RESTITUTION] > 0.0) & (u < -slow) & (gap < -u * left)
     return np.where(strikes, gap / np.where(strikes, -u, 1.0), np.inf)
 
 
@@ -91,4 +91,4 @@ def assemble_problem(floats: Floats, ints: Ints, made: ContactRows, lift: Floats
     k = len(lift)
     w, q = np.empty((3 * k, 3 * k)), np.empty((k, 3))
     speed = write_problem(floats, ints, made.body, made.row, lift, w, q)
-    return Problem(w, q, made.said[:, FRICTION].copy(), speed)
+    return Problem(w, q, made.values[:, FRICTION].copy(), speed)

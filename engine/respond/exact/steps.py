@@ -169,7 +169,7 @@ class ExactSteps:
             problem, brought, lift = beside.problem, beside.brought, beside.lift
             problem = replace(problem, speed=max(problem.speed, pace))
         else:
-            problem, brought = assemble_problem(floats, ints, made, lift), made.said[:, BROUGHT : BROUGHT + 3]
+            problem, brought = assemble_problem(floats, ints, made, lift), made.values[:, BROUGHT : BROUGHT + 3]
         if not math.isfinite(problem.speed):
             return
         solution = self._solve(problem, brought)

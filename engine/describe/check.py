@@ -33,10 +33,10 @@ class Described:
     def check_fields(self) -> None:
         """Raises: ValueError naming the first field whose value its check refuses."""
         label, kind = self.label, cast(Any, type(self))
-        for name, optional, check, told in _checks(kind):
+        for name, optional, check, args in _checks(kind):
             value = getattr(self, name)
             if not (optional and value is None):
-                check(label, name, value, *told)
+                check(label, name, value, *args)
 
 
 @cache
@@ -48,7 +48,7 @@ def _words(name: str) -> str:
 def _checks(kind: Any) -> list[tuple[str, bool, Callable[..., Any], tuple[Any, ...]]]:
     """Of each field of a dataclass that is checked: its name, whether it may be None, its check, and what that is told."""
     found = [(one.name, one.default is None, getattr(one.type, "__metadata__", ())) for one in fields(kind)]
-    return [(name, optional, told[0], told[1:]) for name, optional, told in found if told]
+    return [(name, optional, args[0], args[1:]) for name, optional, args in found if args]
 
 
 def finite(element: str, field: str, value: Any, shape: tuple[int, ...], unit: str) -> np.ndarray[Any, np.dtype[np.float64]]:

@@ -11,7 +11,7 @@ from plumbline.harness.cli.options import opened
 from plumbline.harness.findings.columns import headings
 
 if TYPE_CHECKING:
-    from plumbline.harness.findings.selection import Answer
+    from plumbline.harness.findings.selection import Selection
     from plumbline.harness.store.store import Store
 
 
@@ -146,7 +146,7 @@ def _store(folder: Path | None, is_published: bool) -> "Store":
     return store
 
 
-def _print_evidence(answer: "Answer", as_json: bool) -> None:
+def _print_evidence(answer: "Selection", as_json: bool) -> None:
     from plumbline.harness.findings.selection import listing
 
     rows = listing.rows(answer)
@@ -164,7 +164,7 @@ def _known(store: "Store", need: tuple[str, ...]) -> tuple[str, ...]:
     return need
 
 
-def _print(store: "Store", answer: "Answer", preset: str) -> None:
+def _print(store: "Store", answer: "Selection", preset: str) -> None:
     from plumbline.harness.findings.selection.words import (
         COLUMN_WORDS,
         beyond,

@@ -45,7 +45,7 @@ Scaled = Callable[[Store, Mapping[str, Any]], Scale | None]
 
 
 @dataclass(frozen=True, slots=True)
-class Need:
+class Matters:
     """Whether an effect matters.
 
     Terms: matters: None where that is not known. doubt: why it is not. judge: the truth, the names of those that agree, or
@@ -58,7 +58,7 @@ class Need:
     against: tuple[str, ...] = ()
 
 
-NOBODY = Need(None)
+NOBODY = Matters(None)
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,7 +102,7 @@ def heard(
     return words
 
 
-def needs(store: Store, sides: Mapping[str, Mapping[str, Any]], declared: Collection[str]) -> dict[Effects, Need]:
+def needs(store: Store, sides: Mapping[str, Mapping[str, Any]], declared: Collection[str]) -> dict[Effects, Matters]:
     """By effects, whether they matter; without those of which each engine speaks for itself."""
     ours = {engine for engine in sides if store.described("engines", engine)["ours"]}
     by_truth, by_steps = (heard(store, sides, declared, scaled) for scaled in (scale_by_truth, scale_in))
@@ -114,18 +114,18 @@ def needs(store: Store, sides: Mapping[str, Mapping[str, Any]], declared: Collec
     return verdicts
 
 
-def judged(by_truth: Words, by_steps: Words, ours: Collection[str]) -> Need:
+def judged(by_truth: Words, by_steps: Words, ours: Collection[str]) -> Matters:
     """The verdict on one effect. Args: by_truth, by_steps: what engines say by the truth, and by finer steps."""
     others = {engine: word for engine, word in by_truth.items() if engine not in ours}
     witnesses = others if any(word.consequence.matters is not None for word in others.values()) else by_truth
     need = _majority(witnesses, by_truth, 1)
     if need.matters is not None:
-        return Need(need.matters, "", TRUTH, need.against)
+        return Matters(need.matters, "", TRUTH, need.against)
     others = {engine: word for engine, word in by_steps.items() if engine not in ours}
     return _majority(others, by_steps, ENOUGH)
 
 
-def _majority(witnesses: Words, everybody: Words, enough: int) -> Need:
+def _majority(witnesses: Words, everybody: Words, enough: int) -> Matters:
     """What more of the witnesses say, if they are enough. Args: everybody: with those that have no vote."""
     say = {
         what: {engine: word.consequence for engine, word in everybody.items() if word.consequence.matters is what}
@@ -137,11 +137,11 @@ def _majority(witnesses: Words, everybody: Words, enough: int) -> Need:
     votes = {what: [engine for engine in engines if engine in witnesses] for what, engines in say.items()}
     verdict = len(votes[True]) > len(votes[False])
     if len(votes[verdict]) > len(votes[not verdict]) and len(votes[verdict]) >= enough:
-        return Need(verdict, "", ", ".join(votes[verdict]), tuple(say[not verdict]))
+        return Matters(verdict, "", ", ".join(votes[verdict]), tuple(say[not verdict]))
     words = [f"{engine} says that it {'matters' if what else 'does not matter'}" for what in say for engine in votes[what]]
     words += [f"{engine}: {word.doubt}" for engine, word in witnesses.items() if word.doubt]
     few = f"fewer than {enough} engines beside ours can say" if len(votes[verdict]) < enough else "engines disagree"
-    return Need(None, ": ".join([few, "; ".join(words)] if words else [few]))
+    return Matters(None, ": ".join([few, "; ".join(words)] if words else [few]))
 
 
 NOT_JUDGED = "not judged"

@@ -109,7 +109,7 @@ def _documented(rows: list[Difference], defaults: Mapping[str, str]) -> tuple[Di
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Answer:
+class LoaderAnswer:
     """What a loader made of a file; or, by `what` and `why`, that it made nothing."""
 
     loaded: Loaded | None = None
@@ -121,7 +121,7 @@ def loaded_apart(name: str, request: Request, path: Path) -> Loaded:
     """What an engine's loader makes of a file. Raises: Unsupported, with why it does not."""
     packages = {package: folder.resolve() for package, folder in request.packages.items()}
     try:
-        answer = apart(Answer, DEADLINE, loader_answer, name, path.resolve(), replace(request, packages=packages))
+        answer = apart(LoaderAnswer, DEADLINE, loader_answer, name, path.resolve(), replace(request, packages=packages))
     except NoAnswer as error:
         raise Unsupported("the file", f"the loader {one_line(str(error), 300)}") from None
     if answer.loaded is None:
@@ -130,12 +130,12 @@ def loaded_apart(name: str, request: Request, path: Path) -> Loaded:
 
 
 def loader_answer(name: str, path: Path, request: Request) -> dict[str, Any]:
-    """What a loader made of a file as an Answer in plain values; in its own process."""
+    """What a loader made of a file as an LoaderAnswer in plain values; in its own process."""
     try:
-        answer = Answer(loaded=plugins.adapter(name).load_robot(path, request))
+        answer = LoaderAnswer(loaded=plugins.adapter(name).load_robot(path, request))
     except Unsupported as error:
-        answer = Answer(what=error.what, why=error.why)
+        answer = LoaderAnswer(what=error.what, why=error.why)
     except Unavailable as error:
-        answer = Answer(what="the engine", why=str(error))
-    plain: dict[str, Any] = TypeAdapter(Answer).dump_python(answer, mode="json")
+        answer = LoaderAnswer(what="the engine", why=str(error))
+    plain: dict[str, Any] = TypeAdapter(LoaderAnswer).dump_python(answer, mode="json")
     return plain

@@ -54,7 +54,7 @@ CONTENTS = {"session": Session, "withdrawn": TrialNames, "restored": TrialNames}
 
 
 @dataclass(frozen=True)
-class Reached:
+class JournalEnd:
     """How far a journal had come when a run last ended."""
 
     lines: int
@@ -66,7 +66,7 @@ class Reached:
 class Machine:
     """The machine of a run, and how the run ended."""
 
-    journal: Reached | None = None
+    journal: JournalEnd | None = None
     tables: dict[str, str] = field(default_factory=dict)
     complete: bool = False
     command: list[str] = field(default_factory=list)
@@ -105,7 +105,7 @@ class Described:
 
 
 @dataclass(frozen=True)
-class Engine:
+class DescribedEngine:
     """An engine, as `harness.study.catalogue.describe_engine` has it."""
 
     title: str = ""
@@ -128,7 +128,7 @@ class Catalogue:
     """What was asked, and of whom."""
 
     cases: dict[str, Described] = field(default_factory=dict)
-    engines: dict[str, Engine] = field(default_factory=dict)
+    engines: dict[str, DescribedEngine] = field(default_factory=dict)
 
 
 FORMS: dict[str, type] = {"machine.json": Machine, "catalogue.json": Catalogue, "study.toml": StoredStudy}

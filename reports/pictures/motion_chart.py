@@ -53,7 +53,7 @@ def overview(motion: MotionPicture, looks: dict[str, EngineLook]) -> Panel:
     series = [(line.time, line.values) for line in motion.lines] + ([motion.truth] if len(motion.truth[0]) else [])
     told = motion.truth[1] if len(motion.truth[0]) else None
     low, high = _range([values for _, values in series], told, motion.band)
-    scale = _Scale(_end(series), low, high, False, 480, 220, 50)
+    scale = _Axes(_end(series), low, high, False, 480, 220, 50)
     strokes = [Stroke(scale.path(*motion.truth), "", False)] if told is not None else []
     strokes += [_stroke(scale, line, line.time, line.values, looks) for line in motion.lines]
     band = scale.band(*motion.truth, motion.band) if told is not None and motion.band else ""
@@ -79,7 +79,7 @@ def over_time(series: Sequence[ChartSeries], limit: float | None, alt: str, *, w
     if not any((line.values > 0).any() for line in series):
         return None
     low, high = _decades([*(line.values for line in series), np.array([bound or 0.0])])
-    scale = _Scale(max(float(line.time[-1]) for line in series), low, high, True, width, height, 44)
+    scale = _Axes(max(float(line.time[-1]) for line in series), low, high, True, width, height, 44)
     strokes = [Stroke(scale.path(line.time, line.values), line.colour, line.dashed) for line in series]
     return scale.panel(alt, tuple(strokes), "", None if bound is None else scale.y(bound), alt)
 
@@ -98,7 +98,7 @@ def apart(motion: MotionPicture, looks: dict[str, EngineLook], titles: dict[str,
     end = _end([(line.time, line.values) for line in motion.lines])
     panels = []
     for engine in dict.fromkeys(line.engine for line in motion.lines):
-        scale = _Scale(end, low, high, off, 240, 130, 44)
+        scale = _Axes(end, low, high, off, 240, 130, 44)
         mine = [line for line in motion.lines if line.engine == engine]
         strokes = [
             _stroke(scale, line, *((line.off_time, line.off) if off else (line.time, line.values)), looks) for line in mine
@@ -111,7 +111,7 @@ def apart(motion: MotionPicture, looks: dict[str, EngineLook], titles: dict[str,
     return tuple(panels)
 
 
-class _Scale:
+class _Axes:
     """Where values lie in a frame of so many units."""
 
     def __init__(self, end: float, low: float, high: float, logarithmic: bool, width: int, height: int, left: int) -> None:
@@ -156,7 +156,7 @@ class _Scale:
         return Panel(title, self.width, self.height, self.box, across, up, strokes, band, limit, alt)
 
 
-def _stroke(scale: _Scale, line: RunLine, time: Floats, values: Floats, looks: dict[str, EngineLook]) -> Stroke:
+def _stroke(scale: _Axes, line: RunLine, time: Floats, values: Floats, looks: dict[str, EngineLook]) -> Stroke:
     return Stroke(scale.path(time, values), looks[line.engine].colour, line.track == "default")
 
 

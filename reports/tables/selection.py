@@ -11,7 +11,7 @@ from typing import Any
 from markupsafe import Markup
 
 from plumbline.harness.findings.once import once
-from plumbline.harness.findings.selection import CRITERIA, Answer, Wish, choose, preset_names, read_preset
+from plumbline.harness.findings.selection import CRITERIA, Selection, Wish, choose, preset_names, read_preset
 from plumbline.harness.findings.selection.choose import EXPRESSED
 from plumbline.harness.findings.selection.evidence import DECADES_OF_SPEED, Datum
 from plumbline.harness.findings.selection.rank import DOUBT_OF_WEIGHTS, DRAWS, SEED, Place
@@ -36,7 +36,7 @@ from plumbline.reports.words.text import TIMES, amount, settings_text, slug
 
 
 @once
-def answer(store: Store) -> Answer:
+def answer(store: Store) -> Selection:
     """At equal weights, over all cases, without the reference engine."""
     return choose(store, Wish())
 
@@ -64,7 +64,7 @@ class Grounds:
     file: str
 
 
-def evidence_by_purpose(store: Store) -> Iterator[tuple[Grounds, Answer]]:
+def evidence_by_purpose(store: Store) -> Iterator[tuple[Grounds, Selection]]:
     """That of all cases alike, and that of each purpose, with the answers."""
     for name, chosen in {"": answer(store), **answers_by_purpose(store)}.items():
         rows = sorted(chosen.evidence.table.items(), key=lambda row: (row[1].value, *row[0]))
@@ -128,7 +128,7 @@ FEWEST = 3
 
 
 @once
-def answers_by_purpose(store: Store) -> Mapping[str, Answer]:
+def answers_by_purpose(store: Store) -> Mapping[str, Selection]:
     """Of each built-in purpose of which the run has cases enough."""
     listed = sorted(preset_names(), key=lambda name: read_preset(name).order)
     chosen = {name: choose(store, read_preset(name).wish()) for name in listed}
@@ -155,7 +155,7 @@ def _own_need(store: Store, case: str) -> PurposeAnswer | None:
     return None if mine.rank is None else _need(store, slug(case), str(cases(store)[case]["title"]), OWN, mine, own=True)
 
 
-def _need(store: Store, name: str, title: str, why: str, chosen: Answer, *, own: bool = False) -> PurposeAnswer:
+def _need(store: Store, name: str, title: str, why: str, chosen: Selection, *, own: bool = False) -> PurposeAnswer:
     titled: Callable[[str], str] = partial(engine_title, store)
     notes, command = notes_and_command(store, chosen)
     return PurposeAnswer(
@@ -173,7 +173,7 @@ def _need(store: Store, name: str, title: str, why: str, chosen: Answer, *, own:
     )
 
 
-def notes_and_command(store: Store, chosen: Answer) -> tuple[list[str], str]:
+def notes_and_command(store: Store, chosen: Selection) -> tuple[list[str], str]:
     """What the first two trade, who is beyond the error asked for, what would turn the answer or decide it, and what is not
     known; and the command that would decide it."""
     titled: Callable[[str], str] = partial(engine_title, store)
@@ -187,12 +187,12 @@ def notes_and_command(store: Store, chosen: Answer) -> tuple[list[str], str]:
     return [sentence for sentence in sentences if sentence], command
 
 
-def standings(store: Store, chosen: Answer) -> list[tuple[EngineStanding, Place]]:
+def standings(store: Store, chosen: Selection) -> list[tuple[EngineStanding, Place]]:
     """The engines of an answer, best first."""
     return [(_standing(store, chosen, entry), entry) for entry in (chosen.rank.places if chosen.rank is not None else ())]
 
 
-def _standing(store: Store, chosen: Answer, entry: Place) -> EngineStanding:
+def _standing(store: Store, chosen: Selection, entry: Place) -> EngineStanding:
     track = chosen.evidence.tracks[entry.engine]
     speed, error = chosen.evidence.speed(entry.engine), chosen.evidence.error(entry.engine)
     within, judged = chosen.evidence.within(entry.engine)
@@ -242,7 +242,7 @@ def live(store: Store) -> Markup:
     return Markup(json.dumps(content, separators=(",", ":")).replace("<", "\\u003c").replace("&", "\\u0026"))
 
 
-def _purpose(store: Store, name: str, title: str, why: str, wish: Wish, chosen: Answer) -> dict[str, Any]:
+def _purpose(store: Store, name: str, title: str, why: str, wish: Wish, chosen: Selection) -> dict[str, Any]:
     """What is known for one purpose. cells: criterion, case and engine by number, with value, low and high; of a speed these
     are times real time, and 1 after them if it is a bound. A speed of 0 is of no use."""
     evidence = chosen.evidence

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from plumbline.harness.findings.selection import Answer, Wish, choose, read_preset
+from plumbline.harness.findings.selection import Selection, Wish, choose, read_preset
 from plumbline.harness.findings.selection.words import headline, percent, trade
 from plumbline.harness.store.store import Store
 from tests.browser.conftest import page_of
@@ -22,7 +22,7 @@ compact = partial(json.dumps, separators=(",", ":"), ensure_ascii=False)
 TITLES = {"mujoco": "MuJoCo", "dart": "DART", "bullet": "Bullet"}
 
 
-def told(page: Any, found: Answer) -> None:
+def told(page: Any, found: Selection) -> None:
     """Headline, order, shares and scores of the page are those of an answer."""
     words = headline(found, TITLES.__getitem__)
     seen = "document.getElementById('headline').textContent.replaceAll('\\u00a0', ' ')"

@@ -11,7 +11,7 @@ from pydantic import TypeAdapter
 from plumbline.harness.adapter import Unsupported
 from plumbline.harness.cli.main import main
 from plumbline.harness.intake.import_wishes import Root, Wishes
-from plumbline.harness.run.importer_audit import Answer, loaded_apart, loader_answer
+from plumbline.harness.run.importer_audit import LoaderAnswer, loaded_apart, loader_answer
 from plumbline.harness.scene.parity.canonical import Canonical, canonical, stated
 from plumbline.harness.scene.parity.comparison import compare
 from plumbline.harness.scene.parity.difference import Difference, kind_of
@@ -32,7 +32,7 @@ def loaded_here(engine: str, request: Request, path: Path) -> Loaded:
     """
     with contextlib.chdir(path.parent):
         text = json.dumps(loader_answer(engine, path.resolve(), request))
-    answer = TypeAdapter(Answer).validate_json(text)
+    answer = TypeAdapter(LoaderAnswer).validate_json(text)
     if answer.loaded is None:
         raise Unsupported(answer.what, answer.why)
     return answer.loaded

@@ -16,7 +16,7 @@ from plumbline.harness.case import Case, Check
 from plumbline.harness.case.alteration import EVERYTHING, FINER, Alteration
 from plumbline.harness.case.undropped import called
 from plumbline.harness.cli.minimal_scene import write_minimal
-from plumbline.harness.findings.effects_audit import NOT_JUDGED, EffectVerdict, Need, Word, audit, idle, judged, savings
+from plumbline.harness.findings.effects_audit import NOT_JUDGED, EffectVerdict, Matters, Word, audit, idle, judged, savings
 from plumbline.harness.findings.tables.effects import TABLE, sentences, verdicts
 from plumbline.harness.metrics.errors import divergence, position_error_final
 from plumbline.harness.run.campaign import carry_out
@@ -236,7 +236,7 @@ def test_an_engine_whose_error_hides_an_effect_does_not_deny_it() -> None:
     assert judged({}, {"a": coarse, "b": coarse, "ours": sharp}, {"ours"}).matters is None
     assert judged({}, {"a": coarse, "b": coarse, "c": sharp, "d": sharp}, set()).judge == "c, d"
     blind = word(1e-9, 1e-6, False)
-    assert judged({}, {"a": blind, "b": blind, "ours": sharp}, {"ours"}) == Need(False, "", "a, b", ("ours",))
+    assert judged({}, {"a": blind, "b": blind, "ours": sharp}, {"ours"}) == Matters(False, "", "a, b", ("ours",))
 
 
 def test_what_a_case_insists_on_is_no_surplus(audited: Audited) -> None:

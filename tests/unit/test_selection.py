@@ -9,7 +9,7 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from plumbline.harness.findings.selection import Answer, PresetError, Wish, choose, preset_names, read_preset
+from plumbline.harness.findings.selection import PresetError, Selection, Wish, choose, preset_names, read_preset
 from plumbline.harness.findings.selection.choose import EXPRESSED
 from plumbline.harness.findings.selection.decide import LEAST, WhatTurns, into
 from plumbline.harness.findings.selection.words import decisive, headline, trade, turn_sentences
@@ -25,7 +25,7 @@ SEEDS = [0, *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(1, 20
 GOOD, EQUAL, BAD = Made(error=0.3, cost=0.01), Made(error=2.0, cost=0.02), Made(error=12.0, cost=0.2)
 
 
-Ask = Callable[..., Answer]
+Ask = Callable[..., Selection]
 
 
 @pytest.fixture(scope="module")
@@ -33,7 +33,7 @@ def answer(tmp_path_factory: pytest.TempPathFactory) -> Ask:
     """What is chosen of runs of made engines; a run of the same ones by the same seed is made once, and only read."""
     runs: dict[str, Store] = {}
 
-    def asked(engines: dict[str, Made], seed: int, wish: Wish | None = None) -> Answer:
+    def asked(engines: dict[str, Made], seed: int, wish: Wish | None = None) -> Selection:
         key = repr((engines, seed))
         if key not in runs:
             runs[key] = Store(write_selection_folder(tmp_path_factory.mktemp("made"), engines, seed))
@@ -42,12 +42,12 @@ def answer(tmp_path_factory: pytest.TempPathFactory) -> Ask:
     return asked
 
 
-def numbers(found: Answer) -> dict[str, int]:
+def numbers(found: Selection) -> dict[str, int]:
     assert found.rank is not None
     return {place.engine: place.number for place in found.rank.places}
 
 
-def shares(found: Answer) -> dict[str, float]:
+def shares(found: Selection) -> dict[str, float]:
     assert found.rank is not None
     return {place.engine: place.first for place in found.rank.places}
 

@@ -18,7 +18,7 @@ Alone = Literal["", "expresses", "left", "single"]
 
 
 @dataclass(frozen=True, kw_only=True)
-class Answer:
+class Selection:
     """wish: what was asked. evidence: it leans on. rank: of the engines left, None where none is. dropped: the others.
     undecided: requirements of which a bound leaves open whether an engine that is left meets them. turns: what would turn who
     leads. decider: what would decide it, None where no single figure would. asked: how many engines could have been ranked.
@@ -121,10 +121,10 @@ def _left_open(evidence: Evidence, wish: Wish, left: Sequence[str]) -> Iterator[
                 break
 
 
-def choose(store: Store, wish: Wish, draws: int = DRAWS) -> Answer:
+def choose(store: Store, wish: Wish, draws: int = DRAWS) -> Selection:
     """Args: draws: resamples of cases, timings and weights."""
     if store.trials.empty:
-        return Answer(wish=wish, evidence=Evidence(), rank=None, dropped=(), undecided=(), turns=(), asked=0)
+        return Selection(wish=wish, evidence=Evidence(), rank=None, dropped=(), undecided=(), turns=(), asked=0)
     known = store.catalogue.get("engines", {})
     present = [str(engine) for engine in dict.fromkeys(store.trials["engine"])]
     ranked = [name for name in present if wish.with_reference or not known.get(name, {}).get("ours")]
@@ -139,7 +139,7 @@ def choose(store: Store, wish: Wish, draws: int = DRAWS) -> Answer:
     samples = resampled(evidence, wish, draws) if left and counts else None
     order = None if samples is None else rank(evidence, samples)
     several = samples is not None and len(left) > 1
-    return Answer(
+    return Selection(
         wish=wish,
         evidence=evidence,
         rank=order,

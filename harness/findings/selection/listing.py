@@ -5,7 +5,7 @@ from typing import Any
 
 from plumbline.harness.findings.columns import Column, plain
 from plumbline.harness.findings.parameter_words import step_in_words
-from plumbline.harness.findings.selection.choose import Answer
+from plumbline.harness.findings.selection.choose import Selection
 from plumbline.harness.findings.selection.wish import CRITERIA
 
 COLUMNS = ("criterion", "case", "engine", "value", "low", "high", "says", "track", "dt", "substeps", "trial")
@@ -13,7 +13,7 @@ COLUMNS = ("criterion", "case", "engine", "value", "low", "high", "says", "track
 substeps."""
 
 
-def rows(answer: Answer) -> list[dict[str, Any]]:
+def rows(answer: Selection) -> list[dict[str, Any]]:
     """Flat rows with COLUMNS."""
     flat = []
     for (criterion, case, engine), datum in sorted(answer.evidence.table.items()):
@@ -23,7 +23,7 @@ def rows(answer: Answer) -> list[dict[str, Any]]:
     return flat
 
 
-def ranking(answer: Answer) -> list[dict[str, Any]]:
+def ranking(answer: Selection) -> list[dict[str, Any]]:
     """One an engine: its entry, or why it is left out; of one that nobody stands beside no share, but why it is alone."""
     rows: list[dict[str, Any]] = []
     for entry in answer.rank.places if answer.rank is not None else ():

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable, Mapping, Sequence
 
-from plumbline.harness.findings.selection.choose import EXPRESSED, Answer
+from plumbline.harness.findings.selection.choose import EXPRESSED, Selection
 from plumbline.harness.findings.selection.decide import WhatTurns
 from plumbline.harness.findings.selection.rank import DRAWS
 from plumbline.harness.findings.selection.wish import CRITERIA, Dropped
@@ -37,7 +37,7 @@ def _listed(names: Sequence[str], last: str = "and") -> str:
     return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} {last} {names[-1]}"
 
 
-def headline(answer: Answer, titled: Titled) -> str:
+def headline(answer: Selection, titled: Titled) -> str:
     """Who is first, how surely, who is second, and on how few cases, where they stand for others than the user's own.
 
     Where there is nobody to be first of, it says so in place of a share.
@@ -49,7 +49,7 @@ def headline(answer: Answer, titled: Titled) -> str:
     return f"{first} {SENTENCES['few'].format(cases='1 case' if count == 1 else f'{count} cases')}"
 
 
-def who_leads(answer: Answer, titled: Titled) -> str:
+def who_leads(answer: Selection, titled: Titled) -> str:
     """The same without the number of cases."""
     if answer.rank is None:
         return SENTENCES["none" if answer.dropped else "unknown"]
@@ -87,7 +87,7 @@ _BETTER: Mapping[str, str] = {
 }
 
 
-def trade(answer: Answer, titled: Titled) -> str:
+def trade(answer: Selection, titled: Titled) -> str:
     """What the first two engines trade: 'MuJoCo is 3x faster; DART has 6 of 7 cases within 1 %, MuJoCo 4.'; '' if
     nothing sets them apart. Args: titled: an engine's name to its title."""
     if answer.rank is None or len(answer.rank.places) < 2:
@@ -109,7 +109,7 @@ def trade(answer: Answer, titled: Titled) -> str:
     return f"{'; '.join(phrases)}." if phrases else ""
 
 
-def _faster(answer: Answer, fast: str, slow: str) -> str:
+def _faster(answer: Selection, fast: str, slow: str) -> str:
     """'is 3x faster' by the speeds that stand beside the answer; '' if they say otherwise."""
     mine, other = answer.evidence.speed(fast), answer.evidence.speed(slow)
     if mine is None or other is None:
@@ -117,7 +117,7 @@ def _faster(answer: Answer, fast: str, slow: str) -> str:
     return f"is {mine / other:.2g}\N{MULTIPLICATION SIGN} faster" if mine / other >= FASTER else ""
 
 
-def _nearer(answer: Answer, near: str, far: str, titled: Titled) -> str:
+def _nearer(answer: Selection, near: str, far: str, titled: Titled) -> str:
     """'has 6 of 7 cases within 1 %, MuJoCo 4'; of as many, that it misses the others by less."""
     (most, cases), (least, _) = answer.evidence.within(near), answer.evidence.within(far)
     if most <= least:
@@ -125,11 +125,11 @@ def _nearer(answer: Answer, near: str, far: str, titled: Titled) -> str:
     return f"has {most} of {cases} cases within {_asked(answer)}, {titled(far)} {least}"
 
 
-def _asked(answer: Answer) -> str:
+def _asked(answer: Selection) -> str:
     return f"{100 * answer.wish.max_error:g} %"
 
 
-def beyond(answer: Answer, titled: Titled, called: Titled) -> str:
+def beyond(answer: Selection, titled: Titled, called: Titled) -> str:
     """In which cases engines are beyond the error asked for, or break another check; '' where none does.
 
     Args: titled: an engine's name to its title. called: that of a case."""
@@ -142,7 +142,7 @@ def beyond(answer: Answer, titled: Titled, called: Titled) -> str:
     return f"Beyond {_asked(answer)} or another bound: {'; '.join(parts)}." if parts else ""
 
 
-def gaps(answer: Answer) -> list[str]:
+def gaps(answer: Selection) -> list[str]:
     """What there is no evidence of, or rough evidence alone, so that nobody takes silence for a good mark."""
     if answer.rank is None:
         return []
@@ -165,7 +165,7 @@ def gaps(answer: Answer) -> list[str]:
     return sentences
 
 
-def decisive(answer: Answer, titled: Titled, called: Titled) -> tuple[str, str]:
+def decisive(answer: Selection, titled: Titled, called: Titled) -> tuple[str, str]:
     """What would decide it, and the command that measures it; ('', '') where nothing has to be decided, and no command where no
     built-in study would. Args: titled: an engine's name to its title. called: that of a case."""
     if answer.rank is None or answer.alone or answer.rank.places[0].first >= CERTAIN:

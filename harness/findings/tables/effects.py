@@ -16,7 +16,7 @@ from plumbline.harness.findings.effects_audit import (
     NOT_JUDGED,
     Effects,
     EffectVerdict,
-    Need,
+    Matters,
     Word,
     audit,
     named_scene,
@@ -70,7 +70,7 @@ def _runs(group: pd.DataFrame) -> dict[str, Any]:
     return {row.departure: row for row in group.itertuples()}
 
 
-def _needed(store: Store, scenes: pd.DataFrame) -> dict[Effects, Need]:
+def _needed(store: Store, scenes: pd.DataFrame) -> dict[Effects, Matters]:
     """By effects, whether they matter in a scene, where the truth or several engines say so on their tuned tracks."""
     tuned = scenes[scenes["track"] == "tuned"]
     sides = {str(engine): _runs(group) for engine, group in tuned.groupby("engine", sort=False)}
@@ -78,7 +78,13 @@ def _needed(store: Store, scenes: pd.DataFrame) -> dict[Effects, Need]:
 
 
 def _of_side(
-    store: Store, engine: str, track: str, where: str, group: pd.DataFrame, needed: Mapping[Effects, Need], samples: Sampled
+    store: Store,
+    engine: str,
+    track: str,
+    where: str,
+    group: pd.DataFrame,
+    needed: Mapping[Effects, Matters],
+    samples: Sampled,
 ) -> Iterator[EffectVerdict]:
     runs = _runs(group)
     plain = runs.get("")
@@ -97,7 +103,7 @@ def _of_side(
         verdict: str,
         price: Interval | None,
         reason: str = "",
-        need: Need = NOBODY,
+        need: Matters = NOBODY,
     ) -> EffectVerdict:
         effects = () if isinstance(subject, str) else subject
         return EffectVerdict(
@@ -156,11 +162,11 @@ def _of_side(
             yield row((effect,), plain, None, "cannot be switched off", None, text)
 
 
-def _of_itself(engine: str, word: Word | None) -> Need:
+def _of_itself(engine: str, word: Word | None) -> Matters:
     """What an engine says where it speaks for itself."""
     if word is None:
         return NOBODY
-    return Need(word.consequence.matters, f"{engine}: {word.doubt}" if word.doubt else "", f"{engine} {ALONE}")
+    return Matters(word.consequence.matters, f"{engine}: {word.doubt}" if word.doubt else "", f"{engine} {ALONE}")
 
 
 def _price(cost: Any, base: Any, samples: Sampled) -> Interval | None:

@@ -19,7 +19,7 @@ VERSIONS = ("1.6", "1.7", "1.8", "1.9", "1.10", "1.11")
 
 
 @dataclass(frozen=True, slots=True)
-class _Form:
+class _ElementWords:
     """What an element may say. Terms: moves: elements that say how a robot moves; still: that do not. words: attributes."""
 
     moves: tuple[str, ...] = ()
@@ -27,11 +27,11 @@ class _Form:
     words: tuple[str, ...] = ()
 
 
-def _form(moves: str = "", still: str = "", words: str = "") -> _Form:
-    return _Form(tuple(moves.split()), tuple(still.split()), tuple(words.split()))
+def _form(moves: str = "", still: str = "", words: str = "") -> _ElementWords:
+    return _ElementWords(tuple(moves.split()), tuple(still.split()), tuple(words.split()))
 
 
-_FORMS: Mapping[str, _Form] = MappingProxyType(
+_FORMS: Mapping[str, _ElementWords] = MappingProxyType(
     {
         "world": _form(
             "model gravity include joint frame",
@@ -91,7 +91,7 @@ def check(element: Element, left: SdfLeft, *, strict: bool) -> None:
 
     Raises: RobotError, for what stands twice, and for what may be a slip of the pen, or for all that SDF does not have.
     """
-    form = _FORMS.get(element.tag, _Form())
+    form = _FORMS.get(element.tag, _ElementWords())
     name = readable(element.attributes.get("name", ""), 80) or f"line {element.line}"
     for word in element.attributes:
         if form.words and word not in form.words and ":" not in word:

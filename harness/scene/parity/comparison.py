@@ -114,7 +114,7 @@ def _extent(robot: Canonical) -> float:
 
 
 @dataclass(frozen=True, slots=True)
-class Quantity:
+class Amount:
     """A number of a coordinate.
 
     Terms: name: its field. units: of hinges and of slides. own: is it a force itself? changed: does A with B's value say what
@@ -130,15 +130,15 @@ class Quantity:
 
 
 QUANTITIES = (
-    Quantity("damping", ("N m s/rad", "N s/m"), changed=True),
-    Quantity("stiffness", ("N m/rad", "N/m"), changed=True),
-    Quantity("armature", ("kg m2", "kg"), changed=True),
-    Quantity("friction_loss", ("N m", "N"), own=True, words="dry friction holds or brakes the joint by as much more or less"),
-    Quantity("effort", ("N m", "N"), own=True, words="the motor of the joint may exert as much more or less"),
-    Quantity("speed", ("rad/s", "m/s"), words="at its bound the joint is elsewhere after a second by as many rad or m"),
-    Quantity("rest", ("rad", "m"), changed=True, position=True),
-    Quantity("lower", ("rad", "m"), position=True),
-    Quantity("upper", ("rad", "m"), position=True),
+    Amount("damping", ("N m s/rad", "N s/m"), changed=True),
+    Amount("stiffness", ("N m/rad", "N/m"), changed=True),
+    Amount("armature", ("kg m2", "kg"), changed=True),
+    Amount("friction_loss", ("N m", "N"), own=True, words="dry friction holds or brakes the joint by as much more or less"),
+    Amount("effort", ("N m", "N"), own=True, words="the motor of the joint may exert as much more or less"),
+    Amount("speed", ("rad/s", "m/s"), words="at its bound the joint is elsewhere after a second by as many rad or m"),
+    Amount("rest", ("rad", "m"), changed=True, position=True),
+    Amount("lower", ("rad", "m"), position=True),
+    Amount("upper", ("rad", "m"), position=True),
 )
 
 

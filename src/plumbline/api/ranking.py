@@ -16,7 +16,7 @@ from plumbline.harness.findings.selection.wish import merged, unmatched
 from plumbline.harness.intake.safe_text import quoted
 
 if TYPE_CHECKING:
-    from plumbline.harness.findings.selection import Answer
+    from plumbline.harness.findings.selection import Selection
 
 
 @dataclass(frozen=True, repr=False)
@@ -24,7 +24,7 @@ class Ranking:
     """Engines in order, with the doubt about it. Terms: sentence: the answer in words. answer: all of it, which may change."""
 
     sentence: str
-    answer: "Answer"
+    answer: "Selection"
 
     def __repr__(self) -> str:
         """The answer in words."""

@@ -94,8 +94,15 @@ class KernelLibrary(Library):
         tidy(module, self._codegen, self.inline)
 
     def alone(self) -> Any:
-        """The module of this kernel, without what it calls."""
-        return super()._get_module_for_linking()
+        """The module of this kernel, without what it calls.
+
+        LLVM's linker leaves out what is 'linkonce' and not called so far; a kernel that is taken in later may call it.
+        """
+        module = super()._get_module_for_linking()
+        for one in module.functions:
+            if one.linkage.name == "linkonce_odr":
+                one.linkage = "weak_odr"
+        return module
 
     def _get_module_for_linking(self) -> Any:
         """For the libraries that Numba makes of the bodies of parallel loops: with all that it calls."""
@@ -145,6 +152,7 @@ class EntryLibrary(Library):
 def link(module: Any, libraries: list[Any]) -> list[Any]:
     """Take the libraries into a module, and through kernels all that those call, each once. Returns: all that were taken."""
     taken: dict[Any, None] = {}
+    others = []
     ahead = list(reversed(libraries))
     while ahead:
         one = ahead.pop()
@@ -156,7 +164,9 @@ def link(module: Any, libraries: list[Any]) -> list[Any]:
             module.link_in(kernel.alone(), preserve=True)
             ahead.extend(reversed(kernel._linking_libraries))
         else:
-            module.link_in(one._get_module_for_linking(), preserve=True)
+            others.append(one)
+    for one in others:  # once all that calls them is there
+        module.link_in(one._get_module_for_linking(), preserve=True)
     return list(taken)
 
 

@@ -207,6 +207,39 @@ def test_what_a_kernel_raises_comes_through_those_that_call_it() -> None:
         call(1.0)
 
 
+@kernel
+def is_above(limit: float | None, row: Array) -> bool:
+    if limit is None:
+        return False
+    return bool(row[0] > limit)
+
+
+@kernel
+def count_up(row: Array) -> None:
+    for i in range(row.shape[0]):
+        row[i] += 1.0
+
+
+@kernel
+def count_twice(row: Array) -> None:
+    count_up(row)
+    count_up(row)
+
+
+@kernel
+def count_by(limit: float | None, row: Array) -> None:
+    if is_above(limit, row):
+        count_up(row)
+    else:
+        count_twice(row)
+
+
+def test_a_kernel_that_a_dead_branch_calls_first_is_there_for_a_live_one() -> None:
+    row = np.zeros(3)
+    njit(lambda row: count_by(None, row))(row)
+    assert row.tolist() == [2.0] * 3
+
+
 @pytest.mark.parametrize(("start", "stop"), list(itertools.product((-2, 0, 3), (-1, 0, 1, 5))))
 @pytest.mark.parametrize("step", [-2, 1, 3])
 def test_loops_count_as_in_python(start: int, stop: int, step: int) -> None:

@@ -63,8 +63,7 @@ def rasterise(floats: Floats, ints: Ints, eye: Floats, depth: Floats, tags: Ints
     most = 4
     for f in range(len(span)):
         most = max(most, span[f, 1])
-    corner, kept, room = np.empty((most, 3)), np.empty((most + 2, 3)), np.empty((7, depth.shape[1]))
-    rays, t = (room[0], room[1], room[2], room[3], room[4], room[5]), room[6]
+    corner, kept = np.empty((most, 3)), np.empty((most + 2, 3))
     for s in range(ints_of(ints, at.COUNT)[0, at.SHAPES]):
         tag, kind, size, axes = s * TAGS, shape_kind[s, at.TYPE], load3(shape, s, at.SIZE), load9(pose, s, 3)
         c = tmat_vec(turn, sub(load3(pose, s, 0), origin))
@@ -79,7 +78,7 @@ def rasterise(floats: Floats, ints: Ints, eye: Floats, depth: Floats, tags: Ints
         elif kind < at.HULL:
             if kind == at.SPHERE:
                 kind, size = at.ELLIPSOID, (size[0], size[0], size[0])
-            draw_round(screen, Primitive(s, kind, 0, 0, c, m, size, shape[s, at.BALL_RADIUS]), tag, rays, t)
+            draw_round(screen, Primitive(s, kind, 0, 0, c, m, size, shape[s, at.BALL_RADIUS]), tag)
         else:
             # The second face of a triangle is the first, seen from behind.
             for f in range(polyhedron[s, at.FACES] if kind == at.HULL else 1):

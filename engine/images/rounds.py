@@ -6,13 +6,14 @@ Source: Mara, McGuire, 2D Polyhedral Bounds of a Clipped, Perspective-Projected 
 """
 
 import math
+from collections.abc import Callable
 
-from plumbline.engine.compile.jit import kernel
-from plumbline.engine.images.screen import Screen, aim, keep_closer, pixel_range, row_of
+from plumbline.engine.compile.jit import kernel, stream
+from plumbline.engine.images.screen import Row, Screen, pixel_range, row_of
 from plumbline.engine.maths.rows import Floats, Vec
-from plumbline.engine.maths.vec import axpy, dot
+from plumbline.engine.maths.vec import axpy, dot, tmat_vec
 from plumbline.engine.memory import arena as at
-from plumbline.engine.rays.streams import Primitive, Rays, meet
+from plumbline.engine.rays.streams import Form, Primitive, to_capsule, to_cylinder, to_ellipsoid
 
 Window = tuple[float, float, float, float]
 """Left, right, upper and lower end in units of the focal lengths."""
@@ -81,9 +82,28 @@ def ball_span(c: Vec, radius: float, y: float, pinhole: Floats, left: int, right
     return max(first, left), last
 
 
+def _over_row(form: Form) -> Callable[[Row, Primitive, int], None]:
+    """The stream that draws the rays of a row, which start on the near plane, as far as a closed form lets them go."""
+
+    def round_row(row: Row, shape: Primitive, tag: int) -> None:
+        u, v, near, z, who = row
+        c, m = shape.centre, shape.axes
+        for i in range(len(u)):
+            o, d = tmat_vec(m, (near * u[i] - c[0], near * v - c[1], near - c[2])), tmat_vec(m, (u[i], v, 1.0))
+            depth = near + form(o, d, shape.size)
+            closer = depth < z[i]
+            z[i] = depth if closer else z[i]
+            who[i] = tag if closer else who[i]
+
+    return stream(round_row)
+
+
+ellipsoid_row, capsule_row, cylinder_row = map(_over_row, (to_ellipsoid, to_capsule, to_cylinder))
+
+
 @kernel
-def draw_round(screen: Screen, shape: Primitive, tag: int, rays: Rays, t: Floats) -> None:
-    """Draw a shape that stands in E. Args: rays, t: room for one row."""
+def draw_round(screen: Screen, shape: Primitive, tag: int) -> None:
+    """Draw a shape that stands in E."""
     near, c, m = screen.pinhole[0, 4], shape.centre, shape.axes
     ball = shape.kind == at.ELLIPSOID
     half, radius = 0.0 if ball else shape.size[1], shape.ball if ball else shape.size[0]
@@ -94,6 +114,9 @@ def draw_round(screen: Screen, shape: Primitive, tag: int, rays: Rays, t: Floats
         if c[2] - shape.ball >= near:
             first, last = ball_span(c, shape.ball, screen.v[j], screen.pinhole, left, right)
         row = row_of(screen, j, near, first, last)
-        aim(row, rays)
-        meet(last - first, rays, shape, t)
-        keep_closer(row, t, tag)
+        if ball:
+            ellipsoid_row(row, shape, tag)
+        elif shape.kind == at.CAPSULE:
+            capsule_row(row, shape, tag)
+        else:
+            cylinder_row(row, shape, tag)

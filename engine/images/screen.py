@@ -12,7 +12,6 @@ import numpy as np
 
 from plumbline.engine.compile.jit import inlined, kernel, stream
 from plumbline.engine.maths.rows import Floats, Ints, Vec
-from plumbline.engine.rays.streams import Rays
 
 
 class Screen(NamedTuple):
@@ -76,26 +75,5 @@ def flat_row(row: Row, n: Vec, e: float, tag: int) -> None:
     for i in range(len(u)):
         depth = e / (n[0] * u[i] + rest)
         closer = (depth >= near) & (depth < z[i])
-        z[i] = depth if closer else z[i]
-        who[i] = tag if closer else who[i]
-
-
-@stream
-def aim(row: Row, rays: Rays) -> None:
-    """The rays in E through the pixels of a row, from the near plane on."""
-    u, v, near, _, _ = row
-    ox, oy, oz, dx, dy, dz = rays
-    for i in range(len(u)):
-        ox[i], oy[i], oz[i] = near * u[i], near * v, near
-        dx[i], dy[i], dz[i] = u[i], v, 1.0
-
-
-@stream
-def keep_closer(row: Row, t: Floats, tag: int) -> None:
-    """Draw what the rays of a row meet at t."""
-    _, _, near, z, who = row
-    for i in range(len(z)):
-        depth = near + t[i]
-        closer = depth < z[i]
         z[i] = depth if closer else z[i]
         who[i] = tag if closer else who[i]

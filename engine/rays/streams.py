@@ -9,6 +9,7 @@ Source: Ericson, Real-Time Collision Detection, sections 5.3.1 (plane), 5.3.2 (s
 """
 
 import math
+from collections.abc import Callable
 from typing import NamedTuple
 
 from plumbline.engine.compile.jit import kernel, stream
@@ -24,6 +25,8 @@ Rays = tuple[Floats, Floats, Floats, Floats, Floats, Floats]
 """Origins x, y, z [m] and unit directions x, y, z of rays, in W."""
 Triple = tuple[Floats, Floats, Floats]
 """Vectors in W: x, y, z."""
+Form = Callable[[Vec, Vec, Vec], float]
+"""How far [lengths of d] a ray goes to a shape, inf for a miss: from o [m] along d, of sizes [m], in the frame of the shape."""
 
 
 class Primitive(NamedTuple):
@@ -112,17 +115,14 @@ def through(enter: float, leave: float) -> float:
     return found if (enter <= leave) & (leave >= 0.0) else MISS
 
 
-@stream
-def meet_box(n: int, rays: Rays, shape: Primitive, t: Floats) -> None:
+@kernel
+def to_box(o: Vec, d: Vec, size: Vec) -> float:
     """Slabs: the last entry, or the first exit from inside."""
-    size = shape.size
-    for i in range(n):
-        o, d = ray_in(rays, i, shape.centre, shape.axes)
-        near, far = slab(o[0], d[0], size[0])
-        enter, leave = slab(o[1], d[1], size[1])
-        near, far = (near if near > enter else enter), (far if far < leave else leave)
-        enter, leave = slab(o[2], d[2], size[2])
-        t[i] = through(near if near > enter else enter, far if far < leave else leave)
+    near, far = slab(o[0], d[0], size[0])
+    enter, leave = slab(o[1], d[1], size[1])
+    near, far = (near if near > enter else enter), (far if far < leave else leave)
+    enter, leave = slab(o[2], d[2], size[2])
+    return through(near if near > enter else enter, far if far < leave else leave)
 
 
 @kernel
@@ -136,56 +136,16 @@ def tube(o: Vec, d: Vec, radius: float) -> tuple[float, float]:
     return -b - root, -b + root
 
 
-@stream
-def meet_cylinder(n: int, rays: Rays, shape: Primitive, t: Floats) -> None:
+@kernel
+def to_cylinder(o: Vec, d: Vec, size: Vec) -> float:
     """The tube cut by the two caps."""
-    radius, half = shape.size[0], shape.size[1]
-    for i in range(n):
-        o, d = ray_in(rays, i, shape.centre, shape.axes)
-        near, far = tube(o, d, radius)
-        within = (d[0] * d[0] + d[1] * d[1] < PARALLEL) & (o[0] * o[0] + o[1] * o[1] <= radius * radius)
-        near, far = (-MISS if within else near), (MISS if within else far)
-        enter, leave = slab(o[2], d[2], half)
-        # A miss of the tube stays NaN and fails in `through`.
-        t[i] = through(enter if enter > near else near, leave if leave < far else far)
-
-
-@stream
-def meet_capsule(n: int, rays: Rays, shape: Primitive, t: Floats) -> None:
-    """The union of the tube between the caps and the two end spheres: first entry, or last exit from inside."""
-    radius, half = shape.size[0], shape.size[1]
-    square = radius * radius
-    for i in range(n):
-        o, d = ray_in(rays, i, shape.centre, shape.axes)
-        inverse = 1.0 / dot(d, d)
-        beyond = abs(o[2]) - half
-        beyond = beyond if beyond > 0.0 else 0.0
-        inside = o[0] * o[0] + o[1] * o[1] + beyond * beyond < square
-        sign = -1.0 if inside else 1.0
-        enter, leave = tube(o, d, radius)
-        found = leave if inside else enter
-        best = sign * found if (found >= 0.0) & (abs(o[2] + found * d[2]) <= half) else MISS
-        low = end_sphere(o, d, inverse, -half, square, sign)
-        best = low if low < best else best
-        high = end_sphere(o, d, inverse, half, square, sign)
-        best = high if high < best else best
-        t[i] = sign * best if best < MISS else MISS
-
-
-@stream
-def meet_ellipsoid(n: int, rays: Rays, shape: Primitive, t: Floats) -> None:
-    """The unit sphere, met in coordinates that are divided by the semi-axes."""
-    a, b, c = 1.0 / shape.size[0], 1.0 / shape.size[1], 1.0 / shape.size[2]
-    for i in range(n):
-        o, d = ray_in(rays, i, shape.centre, shape.axes)
-        x, y, z, u, v, w = a * o[0], b * o[1], c * o[2], a * d[0], b * d[1], c * d[2]
-        inverse = 1.0 / (u * u + v * v + w * w)
-        middle = (x * u + y * v + z * w) * inverse
-        x, y, z = x - middle * u, y - middle * v, z - middle * w
-        root = root_of((1.0 - (x * x + y * y + z * z)) * inverse)
-        first, last = -middle - root, -middle + root
-        found = first if first >= 0.0 else last
-        t[i] = found if found >= 0.0 else MISS
+    radius, half = size[0], size[1]
+    near, far = tube(o, d, radius)
+    within = (d[0] * d[0] + d[1] * d[1] < PARALLEL) & (o[0] * o[0] + o[1] * o[1] <= radius * radius)
+    near, far = (-MISS if within else near), (MISS if within else far)
+    enter, leave = slab(o[2], d[2], half)
+    # A miss of the tube stays NaN and fails in `through`.
+    return through(enter if enter > near else near, leave if leave < far else far)
 
 
 @kernel
@@ -196,6 +156,53 @@ def end_sphere(o: Vec, d: Vec, inverse: float, end: float, square: float, sign: 
     x, y, z = o[0] - b * d[0], o[1] - b * d[1], z - b * d[2]
     found = -b - sign * root_of((square - (x * x + y * y + z * z)) * inverse)
     return sign * found if found >= 0.0 else MISS
+
+
+@kernel
+def to_capsule(o: Vec, d: Vec, size: Vec) -> float:
+    """The union of the tube between the caps and the two end spheres: first entry, or last exit from inside."""
+    radius, half = size[0], size[1]
+    square, inverse = radius * radius, 1.0 / dot(d, d)
+    beyond = abs(o[2]) - half
+    beyond = beyond if beyond > 0.0 else 0.0
+    inside = o[0] * o[0] + o[1] * o[1] + beyond * beyond < square
+    sign = -1.0 if inside else 1.0
+    enter, leave = tube(o, d, radius)
+    found = leave if inside else enter
+    best = sign * found if (found >= 0.0) & (abs(o[2] + found * d[2]) <= half) else MISS
+    low = end_sphere(o, d, inverse, -half, square, sign)
+    best = low if low < best else best
+    high = end_sphere(o, d, inverse, half, square, sign)
+    best = high if high < best else best
+    return sign * best if best < MISS else MISS
+
+
+@kernel
+def to_ellipsoid(o: Vec, d: Vec, size: Vec) -> float:
+    """The unit sphere, met in coordinates that are divided by the semi-axes."""
+    a, b, c = 1.0 / size[0], 1.0 / size[1], 1.0 / size[2]
+    x, y, z, u, v, w = a * o[0], b * o[1], c * o[2], a * d[0], b * d[1], c * d[2]
+    inverse = 1.0 / (u * u + v * v + w * w)
+    middle = (x * u + y * v + z * w) * inverse
+    x, y, z = x - middle * u, y - middle * v, z - middle * w
+    root = root_of((1.0 - (x * x + y * y + z * z)) * inverse)
+    first, last = -middle - root, -middle + root
+    found = first if first >= 0.0 else last
+    return found if found >= 0.0 else MISS
+
+
+def _over_rays(form: Form) -> Callable[[int, Rays, Primitive, Floats], None]:
+    """The stream that writes t (n,) m of a closed form."""
+
+    def meet_form(n: int, rays: Rays, shape: Primitive, t: Floats) -> None:
+        for i in range(n):
+            o, d = ray_in(rays, i, shape.centre, shape.axes)
+            t[i] = form(o, d, shape.size)
+
+    return stream(meet_form)
+
+
+meet_box, meet_cylinder, meet_capsule, meet_ellipsoid = map(_over_rays, (to_box, to_cylinder, to_capsule, to_ellipsoid))
 
 
 @kernel

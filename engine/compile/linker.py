@@ -99,9 +99,9 @@ class KernelLibrary(Library):
         LLVM's linker leaves out what is 'linkonce' and not called so far; a kernel that is taken in later may call it.
         """
         module = super()._get_module_for_linking()
-        for one in module.functions:
-            if one.linkage.name == "linkonce_odr":
-                one.linkage = "weak_odr"
+        for function in module.functions:
+            if function.linkage.name == "linkonce_odr":
+                function.linkage = "weak_odr"
         return module
 
     def _get_module_for_linking(self) -> Any:
@@ -165,8 +165,8 @@ def link(module: Any, libraries: list[Any]) -> list[Any]:
             ahead.extend(reversed(kernel._linking_libraries))
         else:
             others.append(one)
-    for one in others:  # once all that calls them is there
-        module.link_in(one._get_module_for_linking(), preserve=True)
+    for library in others:  # once all that calls them is there
+        module.link_in(library._get_module_for_linking(), preserve=True)
     return list(taken)
 
 

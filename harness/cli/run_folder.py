@@ -142,7 +142,7 @@ def report(folder: Path, show_it: bool, pdf: bool) -> None:
     history = (folder / "history.json").is_file()
     if history and pdf:
         raise click.UsageError("--pdf is for run folders; the page of a history's trends is printed by any browser")
-    written = _trends(folder) if history else write_report(opened(folder).folder)
+    written = _trends(folder) if history else write_report(opened(folder))
     say(str(written.index))
     if pdf:
         say(str(print_report(folder)))

@@ -374,7 +374,15 @@ class List:
         middles = [price(np.array([p.error for p in g]), np.array([p.cost.value for p in g]), targets) for g in self._groups]
         self._middles = np.stack(middles) if middles else none
         self.middle: Floats = np.fmin.reduce(self._middles)
-        self.drawn: Floats = np.fmin.reduce([draw.of(group, targets) for group in self._groups]) if middles else none
+        self._draw, self._targets = draw, targets
+
+    @cached_property
+    def drawn(self) -> Floats:
+        """Worked out where it is asked for: a speed at a step that was run has no need of it."""
+        if not self._groups:
+            return self._middles
+        least: Floats = np.fmin.reduce([self._draw.of(group, self._targets) for group in self._groups])
+        return least
 
     def beside(self, k: int, target: float) -> tuple[CostPoint, CostPoint | None]:
         """The point that the k-th price leans on, and the next one of the same group that errs more than the target."""

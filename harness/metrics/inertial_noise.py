@@ -87,11 +87,11 @@ FEWEST = 20 * CELLS
 
 def histogram_score(deviations: Floats) -> float:
     """Pearson's chi-squared over cells of equal probability as a normal score, of (n,); NaN where one is."""
-    from scipy import stats  # late: a listing must not pay for it
+    from scipy.special import ndtri  # late: a listing must not pay for it
 
     if np.isnan(deviations).any():
         return float("nan")
-    edges = stats.norm.ppf(np.arange(1, CELLS) / CELLS)
+    edges = ndtri(np.arange(1, CELLS) / CELLS)
     counts = np.bincount(np.searchsorted(edges, deviations), minlength=CELLS)
     mean = len(deviations) / CELLS
     freedom = CELLS - 1
@@ -274,7 +274,7 @@ def _noise(run: Run, channel: Channel) -> list[tuple[AxisNoise, Floats, float]]:
 
 def _score(channel: Channel) -> Metric:
     def measure(run: Run) -> list[float]:
-        from scipy import stats  # late: a listing must not pay for it
+        from scipy.special import chdtr, chdtrc, ndtri  # late: a listing must not pay for it
 
         scores = []
         for law, noise, interval in _noise(run, channel):
@@ -282,8 +282,8 @@ def _score(channel: Channel) -> Metric:
             for m in octaves(len(noise)):
                 mean, freedom = expected_variance(law, m, len(noise), interval)
                 level = freedom * _of_sums(total, m) / mean
-                tail = np.minimum(stats.chi2.sf(level, freedom), stats.chi2.cdf(level, freedom))
-                scores += np.minimum(np.abs(stats.norm.ppf(np.minimum(tail, 0.5))), SHARPEST).tolist()
+                tail = np.minimum(chdtrc(freedom, level), chdtr(freedom, level))
+                scores += np.minimum(np.abs(ndtri(np.minimum(tail, 0.5))), SHARPEST).tolist()
         return scores
 
     return Metric(name=f"{channel}_allan_score", unit="1", source=ALLAN_SOURCE, measure=measure)

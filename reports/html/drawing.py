@@ -36,7 +36,8 @@ class Drawing:
         draw."""
         self._report = report
         self._idle: SimpleQueue[_Process] = SimpleQueue()
-        self._all = [_Process() for _ in range(processes)]
+        fresh = not report.is_dir()  # else most pictures are there
+        self._all = [_Process(fresh) for _ in range(processes)]
         for process in self._all:
             self._idle.put(process)
         self._threads = ThreadPoolExecutor(processes, "pictures")
@@ -71,16 +72,17 @@ class Drawing:
 class _Process:
     """A process that draws, as seen from here; it is started when it is first asked, and after it has died."""
 
-    def __init__(self) -> None:
+    def __init__(self, fresh: bool) -> None:
+        """Args: fresh: is its first picture sure to be drawn?"""
         self._connection: Connection | None = None
-        self._start()
+        self._start(fresh)
 
-    def _start(self) -> None:
+    def _start(self, fresh: bool = True) -> None:
         """Raises: OSError."""
         ours, theirs = Pipe()
         with theirs:
             self._process = subprocess.Popen(
-                [sys.executable, "-P", "-m", "plumbline.reports.html.drawing", str(theirs.fileno())],
+                [sys.executable, "-P", "-m", "plumbline.reports.html.drawing", str(theirs.fileno()), *["fresh"][:fresh]],
                 env=os.environ | {"PYTHONPATH": os.pathsep.join(str(Path(folder).absolute()) for folder in sys.path)},
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.DEVNULL,
@@ -121,11 +123,11 @@ _TEXT, _BYTES, _ERROR = b"t", b"b", b"e"
 """How an answer begins."""
 
 
-def main(descriptor: int) -> None:
-    """Draw what comes until nobody asks any more. Args: descriptor: of the connection."""
+def main(descriptor: int, fresh: bool) -> None:
+    """Draw what comes until nobody asks any more. Args: descriptor: of the connection. fresh: as in `_Process`."""
     connection = Connection(descriptor)
-    first = Figure("", "", "", {"data": {"values": [{}]}, "mark": "point"}, (), ())
-    first.kept(Path(os.devnull))  # brings the JavaScript engine, while nobody waits for it yet
+    if fresh:  # brings the JavaScript engine, while nobody waits for it yet
+        Figure("", "", "", {"data": {"values": [{}]}, "mark": "point"}, (), ()).kept(Path(os.devnull))
     while True:
         try:
             content = connection.recv_bytes()
@@ -141,4 +143,4 @@ def main(descriptor: int) -> None:
 
 
 if __name__ == "__main__":
-    main(int(sys.argv[1]))
+    main(int(sys.argv[1]), fresh=len(sys.argv) > 2)

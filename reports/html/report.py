@@ -110,14 +110,15 @@ def _clear(path: Path) -> None:
     shutil.rmtree(path, ignore_errors=True)
 
 
-def write_report(folder: Path) -> WrittenReport:
-    """Write `folder/report/`.
+def write_report(run: Path | Store) -> WrittenReport:
+    """Write `report/` in a run folder, or in that of a store that has been read.
 
     All is rendered before the old report is touched, and the new one takes its place by renaming: a reader never meets half.
     """
     failures: dict[str, NotWritten] = {}
-    texts = {SCRIPT: script_file(failures), **_rendered(Store(folder), failures)}
-    report, draft, old = (Path(folder) / name for name in ("report", f".report.{os.getpid()}", f".report.{os.getpid()}.old"))
+    store = run if isinstance(run, Store) else Store(run)
+    texts = {SCRIPT: script_file(failures), **_rendered(store, failures)}
+    report, draft, old = (store.folder / name for name in ("report", f".report.{os.getpid()}", f".report.{os.getpid()}.old"))
     texts |= {f"style/{name}": (STYLE / name).read_text(encoding="utf-8") for name in ASSETS}
     _clear(draft)
     try:

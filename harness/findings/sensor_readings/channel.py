@@ -11,6 +11,7 @@ import numpy as np
 
 from plumbline.harness.scene import Camera, DepthCamera, Lidar, Scene, Sensor
 from plumbline.harness.statistics.interval import Interval
+from plumbline.harness.statistics.percentiles import chi_squared_percentile
 from plumbline.harness.statistics.student import Z_95, wilson_interval
 from plumbline.harness.trajectory import Floats
 
@@ -156,11 +157,9 @@ SILENT = Noise(law="")
 
 def spread_interval(sigma: float, freedom: float) -> Interval:
     """A standard deviation with so many degrees of freedom, by the chi-squared law of its square."""
-    from scipy import stats  # late: a listing must not pay for it
-
     if not (math.isfinite(sigma) and freedom >= 1):
         return Interval(sigma, math.nan, math.nan)
-    high, low = stats.chi2.ppf(0.025, freedom), stats.chi2.ppf(0.975, freedom)
+    high, low = (float(chi_squared_percentile(share, freedom)) for share in (0.025, 0.975))
     return Interval(sigma, sigma * math.sqrt(freedom / low), sigma * math.sqrt(freedom / high))
 
 

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from plumbline.harness.findings.sensor_readings.channel import Channel, Noise, NoiseCurve, lost_share, spread, spread_interval
 from plumbline.harness.scene import DepthCamera, Lidar, LidarNoise
+from plumbline.harness.statistics.percentiles import binomial_percentile
 from plumbline.harness.trajectory import Floats
 
 BINS, LEAST = 16, 50
@@ -160,7 +161,7 @@ def _sigma(law: LidarNoise, ranges: Floats) -> Floats:
 
 def range_histogram(channel: Channel) -> NoiseCurve | None:
     """Of a range channel with noise; None without, or with fewer than a hundred returns."""
-    from scipy import stats  # late: a listing must not pay for it
+    from scipy.special import ndtr  # late: a listing must not pay for it
 
     law = _lidar_law(channel)
     if law is None or channel.channel != "range" or law.range_sigma == law.range_sigma_slope == 0:
@@ -170,8 +171,8 @@ def range_histogram(channel: Channel) -> NoiseCurve | None:
     if len(normalised) < 100 or np.isnan(normalised).any():
         return None
     width = EDGES[1] - EDGES[0]
-    share = np.diff(stats.norm.cdf(EDGES))
-    low, high = (stats.binom.ppf(p, len(normalised), share) / (len(normalised) * width) for p in (0.025, 0.975))
+    share = np.diff(ndtr(EDGES))
+    low, high = (binomial_percentile(p, len(normalised), share) / (len(normalised) * width) for p in (0.025, 0.975))
     counts = np.histogram(normalised, EDGES)[0]
     middle = 0.5 * (EDGES[1:] + EDGES[:-1])
     return NoiseCurve(

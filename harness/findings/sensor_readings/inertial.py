@@ -14,6 +14,7 @@ from plumbline.harness.findings.sensor_readings.channel import Channel, Noise, N
 from plumbline.harness.metrics.inertial_noise import expected_variance, octaves, overlapping_variance, variance_of_mean, windows
 from plumbline.harness.scene import AxisNoise, Imu
 from plumbline.harness.statistics.interval import Interval
+from plumbline.harness.statistics.percentiles import chi_squared_percentile
 from plumbline.harness.statistics.student import Z_95
 from plumbline.harness.trajectory import Floats
 
@@ -43,8 +44,6 @@ def _random(law: AxisNoise) -> bool:
 
 def allan_curve(channel: Channel) -> NoiseCurve | None:
     """Of the noise of a channel over octaves, a mean square over the axes; None without a law, or where too little was read."""
-    from scipy import stats  # late: a listing must not pay for it
-
     law = _law_of(channel)
     if law is None or not _random(law) or len(channel.read) < LEAST or _clipped(channel, law) > 0:
         return None
@@ -55,7 +54,7 @@ def allan_curve(channel: Channel) -> NoiseCurve | None:
     expected = [expected_variance(law, m, len(noise), interval) for m in counts]
     by_law = np.sqrt([mean for mean, _ in expected])
     freedom = noise.shape[1] * np.array([degrees for _, degrees in expected])
-    low, high = (by_law * np.sqrt(stats.chi2.ppf(p, freedom) / freedom) for p in (0.025, 0.975))
+    low, high = (by_law * np.sqrt(chi_squared_percentile(p, freedom) / freedom) for p in (0.025, 0.975))
     return NoiseCurve(interval * np.array(counts, dtype=np.float64), deviations, by_law, low, high)
 
 

@@ -16,4 +16,4 @@ def present(store: "Store", recordings: bool) -> "WrittenReport":
     write_summary(store)
     if recordings:
         write_recordings(store.folder)
-    return write_report(store.folder)
+    return write_report(store)

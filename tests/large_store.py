@@ -2,9 +2,9 @@
 
 A run folder of the nightly study is written through the project's own journal and tables: the trials that the study names,
 those that its searches then ask for, and a variant of the ladders, with answers from formulas. Nothing in it says anything of a
-real engine, and no trajectory is kept, so that repetitions, which are compared by them, are left out. Then its report is made,
-and what that took and how large its pages are is printed; with `--browser` also how soon its front page can be read from disk,
-and with `--of` all this of a run that is there already.
+real engine, and of a trajectory its hash alone is kept, so that repetitions, which are compared by them, are left out. Then its
+report is made, and what that took and how large its pages are is printed; with `--browser` also how soon its front page can be
+read from disk, and with `--of` all this of a run that is there already.
 """
 
 import argparse
@@ -25,6 +25,7 @@ import tomli_w
 
 from plumbline.harness.adapter import Adapter
 from plumbline.harness.case import Case
+from plumbline.harness.findings.summary import write_summary
 from plumbline.harness.run.campaign import plain_study
 from plumbline.harness.search import first_break, front
 from plumbline.harness.store import disk
@@ -32,12 +33,12 @@ from plumbline.harness.store.journal import Journal, read_journal
 from plumbline.harness.store.machine_fingerprint import circumstances, fingerprint
 from plumbline.harness.store.record import Measurement, Record, Sample, Status, Timing
 from plumbline.harness.store.seal import sealed_json, sealed_toml
-from plumbline.harness.store.store import write_json
+from plumbline.harness.store.store import Store, write_json
 from plumbline.harness.store.stored_tables import in_order, write_tables
 from plumbline.harness.study import plugins
 from plumbline.harness.study.catalogue import describe_case, describe_engine
 from plumbline.harness.study.provenance import files_of, sources_of
-from plumbline.harness.study.study import Study, load_study
+from plumbline.harness.study.study import load_study
 from plumbline.harness.study.trial import Trial
 from plumbline.harness.trial.accuracy import outcome
 
@@ -103,16 +104,18 @@ def _answer(trial: Trial, case: Case) -> Record:
         substep=dt / (trial.settings.substeps or 1),
         trajectory_hash=hashlib.sha256(repr((trial.question, trial.engine, trial.settings)).encode()).hexdigest()[:16],
         measurements=tuple(measurements),
+        trajectory_kept=False,
         **clock,
     )
 
 
 def _trials(
-    study: Study, cases: Mapping[str, Case], adapters: Mapping[str, Adapter], records: Mapping[str, Record], most: int
-) -> Iterator[list[Trial]]:
-    """The trials of a study, those of its searches round by round, then more and more iterations, until there are enough."""
-    versions = {name: plugins.version_of(adapter)[0] for name, adapter in adapters.items()}
-    known = list(study.trials(cases, adapters, versions, sources_of))
+    known: list[Trial], cases: Mapping[str, Case], adapters: Mapping[str, Adapter], records: Mapping[str, Record], most: int
+) -> Iterator[tuple[list[Trial], bool]]:
+    """What a study knows, what its searches ask for round by round, then more and more iterations, until there are enough.
+
+    With True once its searches have all that they ask for.
+    """
     ladder = [trial for trial in known if trial.experiment.name == "ladder" and trial.track == "tuned"]
 
     def with_iterations(track: str, iterations: int, search_round: int = 0) -> list[Trial]:
@@ -129,7 +132,7 @@ def _trials(
 
     batch = known + with_iterations("few", 7)
     while batch and len(records) < most:
-        yield batch[: most - len(records)]
+        yield batch[: most - len(records)], False
         searched = dict(records)
         batch = [
             trial for go_on in (front.next_trials, first_break.next_trials) for trial in go_on(known, searched, cases, adapters)
@@ -138,7 +141,7 @@ def _trials(
     for iterations in count(8):
         if len(records) >= most:
             return
-        yield with_iterations(f"tuned, iterations {iterations}", iterations, search_round=8)[: most - len(records)]
+        yield with_iterations(f"tuned, iterations {iterations}", iterations, search_round=8)[: most - len(records)], True
 
 
 @contextmanager
@@ -154,10 +157,13 @@ def write_large_store(folder: Path, most: int = TRIALS) -> int:
     cases, whole = dict(plugins.cases()), load_study("nightly")
     # Repetitions are compared by their trajectories, of which there are none.
     study = replace(whole, experiments=tuple(each for each in whole.experiments if not each.determinism))
+    versions = {name: plugins.version_of(adapter)[0] for name, adapter in adapters.items()}
+    known = list(study.trials(cases, adapters, versions, sources_of))
     folder.mkdir(parents=True, exist_ok=True)
-    journal = Journal(folder)
+    journal, complete = Journal(folder), False
     try:
-        for batch in _trials(study, cases, adapters, journal.records, most):
+        for batch, searched in _trials(known, cases, adapters, journal.records, most):
+            complete = searched
             for trial in batch:
                 if trial.trial not in journal.records:
                     journal.append(_answer(trial, cases[trial.case]))
@@ -169,10 +175,10 @@ def write_large_store(folder: Path, most: int = TRIALS) -> int:
             {
                 "study": plain_study(study),
                 "machine": circumstances(fingerprint()),
-                "engines": {name: plugins.version_of(adapter)[0] for name, adapter in adapters.items()},
+                "engines": versions,
                 "files": files_of(set(cases), adapters),
                 "catalogue": hashlib.sha256(catalogue).hexdigest(),
-                "trials": sorted(journal.records),
+                "trials": sorted({*journal.records, *(trial.trial for trial in known)}),
             }
         )
     finally:
@@ -180,7 +186,8 @@ def write_large_store(folder: Path, most: int = TRIALS) -> int:
     (folder / "study.toml").write_bytes(sealed_toml("study.toml", tomli_w.dumps(plain_study(study))))
     (folder / "catalogue.json").write_bytes(catalogue)
     ended = {"journal": journal.written.reached, "tables": write_tables(folder, in_order(journal.records.values()))}
-    write_json(folder / "machine.json", fingerprint() | {"complete": True} | ended)
+    write_json(folder / "machine.json", fingerprint() | {"complete": complete} | ended)
+    write_summary(Store(folder))
     return stored
 
 

@@ -30,7 +30,7 @@ from plumbline.harness.run.campaign import plain_study
 from plumbline.harness.search import first_break, front
 from plumbline.harness.store import disk
 from plumbline.harness.store.journal import Journal, read_journal
-from plumbline.harness.store.machine_fingerprint import circumstances, fingerprint
+from plumbline.harness.store.machine_fingerprint import circumstances, fingerprint, machine_digest
 from plumbline.harness.store.record import Measurement, Record, Sample, Status, Timing
 from plumbline.harness.store.seal import sealed_json, sealed_toml
 from plumbline.harness.store.store import Store, write_json
@@ -53,7 +53,7 @@ def _share(*parts: object) -> float:
     return int(hashlib.sha256(repr(parts).encode()).hexdigest()[:12], 16) / 16**12
 
 
-def _answer(trial: Trial, case: Case) -> Record:
+def _answer(trial: Trial, case: Case, here: str) -> Record:
     """What an engine of first order would say: error = C dt, cost = K / dt, with one trial in fifty that ends in no answer."""
     lost = _share(trial.trial, "lost")
     if lost < 0.02:
@@ -95,7 +95,9 @@ def _answer(trial: Trial, case: Case) -> Record:
         prices = {"cpu_per_sim_s": cost, "cpu_low": 0.98 * cost, "cpu_high": 1.03 * cost, "wall_per_sim_s": 1.01 * cost}
         prices |= {"cpu_per_unit": cost * dt, "cpu_per_unit_low": 0.98 * cost * dt, "cpu_per_unit_high": 1.03 * cost * dt}
         prices |= {"realtime_factor": 1 / cost}
-        clock["timing"] = Timing(trial=trial.trial, unit="step", unstable_timing=False, samples=tuple(samples), **prices)
+        clock["timing"] = Timing(
+            trial=trial.trial, unit="step", clocked_on=here, unstable_timing=False, samples=tuple(samples), **prices
+        )
     return replace(
         outcome(trial, "failed" if failed else "passed", f"made: {', '.join(failed)}" if failed else "every check holds"),
         resolved=trial.settings.plain(),
@@ -105,6 +107,7 @@ def _answer(trial: Trial, case: Case) -> Record:
         trajectory_hash=hashlib.sha256(repr((trial.question, trial.engine, trial.settings)).encode()).hexdigest()[:16],
         measurements=tuple(measurements),
         trajectory_kept=False,
+        answered_on=here,
         **clock,
     )
 
@@ -160,13 +163,13 @@ def write_large_store(folder: Path, most: int = TRIALS) -> int:
     versions = {name: plugins.version_of(adapter)[0] for name, adapter in adapters.items()}
     known = list(study.trials(cases, adapters, versions, sources_of))
     folder.mkdir(parents=True, exist_ok=True)
-    journal, complete = Journal(folder), False
+    journal, complete, here = Journal(folder), False, machine_digest(fingerprint())
     try:
         for batch, searched in _trials(known, cases, adapters, journal.records, most):
             complete = searched
             for trial in batch:
                 if trial.trial not in journal.records:
-                    journal.append(_answer(trial, cases[trial.case]))
+                    journal.append(_answer(trial, cases[trial.case], here))
         stored = len(journal.records)
         engines = {name: describe_engine(adapter) for name, adapter in adapters.items()}
         described = {"cases": {name: describe_case(case) for name, case in cases.items()}, "engines": engines}

@@ -274,7 +274,7 @@ def run(
     if own:
         _propose(store, next(iter(chosen.values())))
         say("writing the report", err=True)
-    report = present(store, plan.recordings)
+    report = present(store, plan.recordings, anew=False)
     say(str(report.page_of(next(iter(chosen))) if own else report.index))
     fail_for(report.sentences())
     if failed:

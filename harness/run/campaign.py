@@ -299,7 +299,7 @@ def carry_out(
     except BaseException:
         journal.close()
         raise
-    complete = False
+    complete, stand = False, None
     try:
         chosen = {trial.case for trial in trials}
         catalogue = _catalogue(folder, {n: describe_case(case) for n, case in cases.items() if case.name in chosen}, engines)
@@ -312,6 +312,7 @@ def carry_out(
             "trials": sorted({trial.trial for trial in trials}),
         }
         journal.begin(begun)
+        stand = _standing_tables(folder, journal, machine)
         whole = merged([session["study"] for session in journal.written.sessions])
         disk.write_atomically(folder / "study.toml", sealed_toml("study.toml", tomli_w.dumps(whole)))
         disk.write_atomically(folder / "catalogue.json", catalogue)
@@ -340,10 +341,26 @@ def carry_out(
         complete = True
     finally:
         journal.close()
-        digests = write_tables(folder, in_order(journal.records.values()))
+        if stand is None or stand["journal"] != journal.written.reached:
+            digests = write_tables(folder, in_order(journal.records.values()))
+            stand = {"journal": journal.written.reached, "tables": digests}
         ended = {"finished": datetime.now(UTC).isoformat(timespec="seconds"), "complete": complete}
-        write_json(folder / "machine.json", machine | ended | {"journal": journal.written.reached, "tables": digests})
+        write_json(folder / "machine.json", machine | ended | stand)
     return Store(folder)
+
+
+def _standing_tables(folder: Path, journal: Journal, machine: Mapping[str, Any]) -> dict[str, Any] | None:
+    """What machine.json says of a journal that has not gone on and of its tables, where these are whole and this version
+    wrote them; else None."""
+    store = Store(folder)
+    try:
+        written = store.machine
+    except StoreError:
+        return None
+    same = all(written.get(name) == machine[name] for name in ("commit", "packages")) and not machine["commit"].endswith("+")
+    if not (same and written.get("journal") == journal.written.reached and store.up_to_date):
+        return None
+    return {"journal": written["journal"], "tables": written["tables"]}
 
 
 def _catalogue(folder: Path, cases: Mapping[str, Any], engines: Mapping[str, Any]) -> bytes:

@@ -97,14 +97,14 @@ class Store:
     @property
     def notes(self) -> tuple[str, ...]:
         """What a reader has to know of how the folder came down: what was dropped, what is missing. Raises: StoreError."""
-        if self._up_to_date:
+        if self.up_to_date:
             return ()
         written = self._written
         early = ends_early(written, self.machine)
         return (*written.notes, *([f"{written.path}: {early}"] if early else []))
 
     @cached_property
-    def _up_to_date(self) -> bool:
+    def up_to_date(self) -> bool:
         """Were the tables written of the journal that is there, and are they as they were written?"""
         try:
             ended, tables = (self.machine.get("journal") or {}).get("content"), self.machine.get("tables", {})
@@ -117,7 +117,7 @@ class Store:
     def _whole(self) -> dict[str, pd.DataFrame]:
         """The tables with all their rows, those of a journal without reading it where they are up to date."""
         journal = self.folder / "journal.jsonl"
-        made_anew = journal.is_file() and not self._up_to_date
+        made_anew = journal.is_file() and not self.up_to_date
         return tables_of(self._written.records.values()) if made_anew else read_tables(self.folder)
 
     @cached_property

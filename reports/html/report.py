@@ -9,6 +9,7 @@ from pathlib import Path
 
 from plumbline.harness.store.disk import put_in_place
 from plumbline.harness.store.store import Store
+from plumbline.harness.store.stored_tables import COLUMNS
 from plumbline.reports.html.drawing import Drawing
 from plumbline.reports.html.policy import STYLE, guarded
 from plumbline.reports.html.template import environment, fill
@@ -19,6 +20,8 @@ ASSETS = ("report.css", "frame.js", "report.js", "select.js", "vega-licences.txt
 FILE_NAME = re.compile(r"([A-Za-z0-9_-]+/)?[A-Za-z0-9_-]+\.(html|svg|csv|json|css|js|webp)")
 
 FRONT = "index.html"
+NOT_MADE = '<section class="card" id="not-made">'
+"""What the first page has where others could not be made."""
 MAIN = '<main id="content">\n'
 """Behind which the first page names the pages that could not be made."""
 
@@ -108,6 +111,17 @@ def _clear(path: Path) -> None:
     if path.is_symlink():
         path.unlink()
     shutil.rmtree(path, ignore_errors=True)
+
+
+def standing_report(store: Store) -> WrittenReport | None:
+    """The report that is there, where it is whole and younger than the tables that it was made of."""
+    index = store.folder / "report" / FRONT
+    try:
+        made, page = index.stat().st_mtime_ns, index.read_text(encoding="utf-8")
+        written = max((store.folder / f"{name}.parquet").stat().st_mtime_ns for name in COLUMNS)
+    except (OSError, UnicodeDecodeError):
+        return None
+    return WrittenReport(index, ()) if made > written and NOT_MADE not in page else None
 
 
 def write_report(run: Path | Store) -> WrittenReport:

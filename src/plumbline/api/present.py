@@ -7,13 +7,19 @@ if TYPE_CHECKING:
     from plumbline.reports.html.written import WrittenReport
 
 
-def present(store: "Store", recordings: bool) -> "WrittenReport":
-    """Write what people look at: summary, recordings, report."""
+def present(store: "Store", recordings: bool, anew: bool = True) -> "WrittenReport":
+    """Write what people look at: summary, recordings, report.
+
+    Args: anew: also where recordings and a whole report were made of just these tables.
+    """
     from plumbline.harness.findings.summary import write_summary
-    from plumbline.reports.html.report import write_report
+    from plumbline.reports.html.report import standing_report, write_report
     from plumbline.reports.recordings import write_recordings
 
     write_summary(store)
+    standing = None if anew or (recordings and not (store.folder / "recordings").is_dir()) else standing_report(store)
+    if standing is not None:
+        return standing
     if recordings:
         write_recordings(store.folder)
     return write_report(store)

@@ -94,7 +94,7 @@ def test_what_is_wrong_with_a_picture_is_raised_here(beside: Drawing) -> None:
 
 
 def _let_drawing_die(patch: pytest.MonkeyPatch) -> None:
-    def dying(self: _Process) -> None:
+    def dying(self: _Process, _fresh: bool = True) -> None:
         self._connection, theirs = Pipe()
         with theirs:
             self._process = subprocess.Popen(["/bin/sh", "-c", "kill -TRAP $$"])

@@ -117,11 +117,11 @@ def standing_report(store: Store) -> WrittenReport | None:
     """The report that is there, where it is whole and younger than the tables that it was made of."""
     index = store.folder / "report" / FRONT
     try:
-        made, page = index.stat().st_mtime_ns, index.read_text(encoding="utf-8")
-        written = max((store.folder / f"{name}.parquet").stat().st_mtime_ns for name in COLUMNS)
+        of_page, page = index.stat().st_mtime_ns, index.read_text(encoding="utf-8")
+        of_tables = max((store.folder / f"{name}.parquet").stat().st_mtime_ns for name in COLUMNS)
     except (OSError, UnicodeDecodeError):
         return None
-    return WrittenReport(index, ()) if made > written and NOT_MADE not in page else None
+    return WrittenReport(index, ()) if of_page > of_tables and NOT_MADE not in page else None
 
 
 def write_report(run: Path | Store) -> WrittenReport:

@@ -11,13 +11,16 @@ from typing import Any
 
 import pytest
 
+from plumbline.api.present import present
 from plumbline.harness.run import campaign
 from plumbline.harness.run.verify import problems
+from plumbline.harness.store import machine_fingerprint
 from plumbline.harness.store.journal import FolderTaken, read_written
 from plumbline.harness.store.store import Store
 from plumbline.harness.study import plugins, provenance, sources
 from plumbline.harness.study.study import Study
 from plumbline.harness.trial import answer
+from plumbline.reports.html.report import NOT_MADE
 from tests.conftest import PLUGINS, Command
 from tests.stress.ledger import Page
 from tests.stress.light_run import STUDY, carry_out, light
@@ -289,6 +292,35 @@ def test_records_beside_what_is_asked_now_stay(tmp_path: Path, capsys: pytest.Ca
         campaign.carry_out(study, tmp_path / "two", fall, engines, workers=1, resume=True)
     assert "keeps 2 of 2 trials, 2 of them beside what is asked now (sound 1.0)" in capsys.readouterr().err
     assert len(Store(tmp_path / "two").trials) == 4
+
+
+def test_a_run_that_finds_all_done_leaves_tables_and_report_as_they_are(
+    run: Path, monkeypatch: pytest.MonkeyPatch, ledger: Page
+) -> None:
+    """Of the same version; another one, tables that were touched, and a report with a page that failed are made anew."""
+    index, table = run / "report" / "index.html", run / "trials.parquet"
+
+    def gone_on(commit: str) -> tuple[int, int]:
+        monkeypatch.setattr(machine_fingerprint, "_commit", lambda: commit)
+        present(carry_out(run), recordings=False, anew=False)
+        assert not [*problems(run)]
+        return table.stat().st_mtime_ns, index.stat().st_mtime_ns
+
+    clean = gone_on("one")
+    assert gone_on("one") == clean
+    for commit in ("another", "another+", "another+", "one"):  # what is not committed may change unseen
+        table_before, page_before = clean
+        clean = gone_on(commit)
+        assert clean[0] > table_before
+        assert clean[1] > page_before
+    index.write_text(f"{index.read_text()}{NOT_MADE}")
+    failed = gone_on("one")
+    assert failed[0] == clean[0]
+    assert failed[1] > clean[1]
+    assert NOT_MADE not in index.read_text()
+    table.write_bytes(table.read_bytes() + b"x")
+    assert gone_on("one")[0] > failed[0]
+    ledger.survived(FAMILY, "a run that finds all done", "files written anew 0")
 
 
 @pytest.mark.slow

@@ -357,3 +357,18 @@ def test_a_box_creeps_on_a_slope_at_10_iterations_and_not_at_50(tgs: bool) -> No
     assert crept(tgs, 10) > 1e-4
     assert abs(crept(tgs, 50)) < 2e-6
     physx.set_scene_config(enable_tgs=True)
+
+
+def test_ten_boxes_stacked_sink_by_a_tenth_of_a_millimetre_together_since_contacts_are_no_springs() -> None:
+    scene, system = world(enable_tgs=True)
+    material = physx.PhysxMaterial(0.5, 0.5, 0.0)
+    ground = physx.PhysxRigidStaticComponent()
+    ground.attach(physx.PhysxCollisionShapeBox([5.0, 5.0, 0.5], material))
+    put(scene, ground, (0.0, 0.0, -0.5))
+    for k in range(10):
+        box = physx.PhysxRigidDynamicComponent()
+        box.attach(weightless(physx.PhysxCollisionShapeBox([0.1, 0.1, 0.1], material)))
+        top = put(scene, box, (0.0, 0.0, 0.1 + 0.2 * k), 1.0, 1 / 150)
+    for _ in range(960):
+        system.step()
+    assert abs(top.pose.p[2] - 1.9) < 2e-4

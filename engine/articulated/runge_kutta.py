@@ -178,8 +178,8 @@ def act_at_end(h: float, trees: Trees) -> bool:
 
 
 @kernel
-def runge_kutta(h: float, trees: Trees, trial: Trial) -> bool:
-    """Advance all trees and bases by h, counting what joints carry. Returns: whether the laws had an answer."""
+def runge_kutta(trees: Trees, h: float, _reactions: bool, trial: Trial) -> bool:
+    """Advance all trees and bases by h, always counting what joints carry. Returns: whether the laws had an answer."""
     move_all(trees, trial.y, 0, False)
     find_accelerations(trees)
     go_through_stages(h, RK4, trees, trial)
@@ -214,8 +214,8 @@ def finish(h: float, taken: bool, trees: Trees, trial: Trial) -> bool:
 
 
 @kernel
-def dormand_prince(end: float, trees: Trees, trial: Trial) -> bool:
-    """Advance all trees and bases by `end` seconds in as many steps as the tolerance asks for, counting what joints carry.
+def dormand_prince(trees: Trees, end: float, _reactions: bool, trial: Trial) -> bool:
+    """Advance all trees and bases by `end` [s] in as many steps as the tolerance asks for, always counting what joints carry.
 
     Returns: whether they sufficed, and the laws had an answer.
     """

@@ -81,7 +81,7 @@ def advance_held(
             forget_responses(trees)
             clear_reactions(trees.joints)
             for substep in range(substeps):
-                if status == DONE and not semi_implicit_euler(trees, touching, soft.h, substep, done == steps):
+                if status == DONE and not semi_implicit_euler(trees, soft.h, done == steps, touching, substep):
                     status = UNSOLVED
             end_step(contacts)
             for n in range(trees.other.shape[0]):

@@ -91,11 +91,8 @@ def bound_shape(state: Floats, b: int, shapes: Shapes, s: int, bounds: Floats, l
         elif kind == at.CAPSULE:
             half = shape[s, at.SIZE] + shape[s, at.SIZE + 1] * abs(m[3 * k + 2])
         elif kind == at.BOX or kind >= at.HULL:
-            half = (
-                shape[s, at.SIZE] * abs(m[3 * k])
-                + shape[s, at.SIZE + 1] * abs(m[3 * k + 1])
-                + shape[s, at.SIZE + 2] * abs(m[3 * k + 2])
-            )
+            half = shape[s, at.SIZE] * abs(m[3 * k]) + shape[s, at.SIZE + 1] * abs(m[3 * k + 1])
+            half += shape[s, at.SIZE + 2] * abs(m[3 * k + 2])
         elif kind == at.ELLIPSOID:
             one, two = shape[s, at.SIZE] * m[3 * k], shape[s, at.SIZE + 1] * m[3 * k + 1]
             three = shape[s, at.SIZE + 2] * m[3 * k + 2]

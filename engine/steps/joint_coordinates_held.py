@@ -49,11 +49,7 @@ def left_open(floats: Floats, ints: Ints, rows: Rows | None, status: int) -> int
 
 @template
 def advance_held(
-    floats: Floats,
-    ints: Ints,
-    steps: int,
-    meeting: Callable[[Floats, Ints], int],
-    room: Callable[[Floats, Ints], Rows | None],
+    floats: Floats, ints: Ints, steps: int, meeting: Callable[[Floats, Ints], int], room: Callable[[Floats, Ints], Rows | None]
 ) -> tuple[int, int]:
     """The loop of all these steps.
 

@@ -27,11 +27,11 @@ dt c / m well below the limit of stability, 2.78."""
 @kernel
 def too_stiff(joint: Floats, j: int, dt: float, mobility: float) -> int:
     """Which of spring and drive of joint j explicit stages do not carry, bits as of HAS. Args: mobility: of its coordinate."""
-    found = 0
+    bits = 0
     for law, has in ((at.SPRING, at.HAS_SPRING), (at.DRIVE, at.HAS_DRIVE)):
         if dt * dt * joint[j, law] * mobility > STIFF or dt * joint[j, law + 1] * mobility > DAMPED:
-            found |= has
-    return found
+            bits |= has
+    return bits
 
 
 @kernel

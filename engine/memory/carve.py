@@ -63,8 +63,8 @@ def carved(kind: type[Kind]) -> Callable[[Floats, Ints], Kind]:
     names: dict[str, Any] = {"_kind": kind, "_ints_of": ints_of}  # no field begins so
     parts = []
     for name, field in kind.__annotations__.items():
-        of, *way, k = get_args(field) or (field, None)
-        names[name] = carved(of) if k is None else way[0] if way else ints_of if of == Ints else floats_of
+        of, *by, k = get_args(field) or (field, None)
+        names[name] = carved(of) if k is None else by[0] if by else ints_of if of == Ints else floats_of
         words = "floats, ints" if k is None else f"ints, {k}" if of == Ints else f"floats, ints, {k}"
         parts.append(f"_ints_of(ints, {at.COUNT})[0, {k}]" if of is int else f"{name}({words})")
     exec(f"def carve(floats, ints):\n    return _kind({', '.join(parts)})", names)

@@ -46,19 +46,19 @@ def advance(
     ints: Ints,
     steps: int,
     trees: Trees,
-    substeps: int,
     summed: bool,
     move_trees: Callable[..., bool],
-    room: tuple[Any, ...],
     move_free: Callable[..., bool],
-    free_room: tuple[Any, ...],
+    rooms: tuple[Any, Any],
 ) -> tuple[int, int]:
     """The loop of all these steps.
 
     Args: summed: whether what joints carry is counted in every step, not the last alone; move_trees: (trees, h [s], whether
-        to count it, *room) -> whether they were advanced by h; move_free: as in `advance_free`, of a body in no tree.
+        to count it, *room) -> whether they were advanced by h; move_free: as in `advance_free`, of a body in no tree; rooms:
+        of both.
     """
-    principal, count = floats_of(floats, ints, at.PRINCIPAL), ints_of(ints, at.COUNT)
+    principal, count, (room, free_room) = floats_of(floats, ints, at.PRINCIPAL), ints_of(ints, at.COUNT), rooms
+    substeps = 1 if count[0, at.RUNGE_KUTTA] == 1 else count[0, at.SUBSTEPS]
     bodies, setting, h, done, status = trees.bodies, trees.setting, trees.setting[0, at.DT] / substeps, 0, DONE
     while done < steps and status == DONE:
         done += 1
@@ -88,7 +88,7 @@ def step_joint_coordinates_euler(floats: Floats, ints: Ints, steps: int) -> tupl
         take_jumps(trees)
         begin_momenta(trees)
     clear_reactions(trees.joints)
-    ended = advance(floats, ints, steps, trees, count[0, at.SUBSTEPS], False, semi_implicit_euler, (None, 0), euler_free, ())
+    ended = advance(floats, ints, steps, trees, False, semi_implicit_euler, euler_free, ((None, 0), ()))
     write_state(trees)
     write_kept_velocities(trees)
     return ended
@@ -101,9 +101,7 @@ def step_joint_coordinates_midpoint(floats: Floats, ints: Ints, steps: int) -> t
     if take_jumps(trees) or count[0, at.STEPS] == 0:
         begin_column_momenta(trees)
     clear_reactions(trees.joints)
-    ended = advance(
-        floats, ints, steps, trees, count[0, at.SUBSTEPS], False, implicit_midpoint_trees, (), implicit_midpoint, ()
-    )
+    ended = advance(floats, ints, steps, trees, False, implicit_midpoint_trees, implicit_midpoint, ((), ()))
     rates_of_momenta(trees)
     write_state(trees)
     return ended
@@ -112,10 +110,10 @@ def step_joint_coordinates_midpoint(floats: Floats, ints: Ints, steps: int) -> t
 @entry
 def step_joint_coordinates_adaptive(floats: Floats, ints: Ints, steps: int) -> tuple[int, int]:
     """By Dormand and Prince's method, sub-step by sub-step."""
-    trees, substeps = trees_of(floats, ints), ints_of(ints, at.COUNT)[0, at.SUBSTEPS]
-    trial, free = explicit.room_for_trials(trees, STAGES), room_for_trials(LENGTH, STAGES)
+    trees = trees_of(floats, ints)
+    rooms = (explicit.room_for_trials(trees, STAGES),), (room_for_trials(LENGTH, STAGES),)
     take_jumps(trees)
-    ended = advance(floats, ints, steps, trees, substeps, True, explicit.dormand_prince, (trial,), dormand_prince, (free,))
+    ended = advance(floats, ints, steps, trees, True, explicit.dormand_prince, dormand_prince, rooms)
     write_state(trees)
     return ended
 
@@ -127,7 +125,7 @@ def step_joint_coordinates_runge_kutta(floats: Floats, ints: Ints, steps: int) -
     if ints_of(ints, at.COUNT)[0, at.STEPS] == 0:
         explicit.mark_stiff_columns(trees, trees.setting[0, at.DT])
     take_jumps(trees)
-    trial = explicit.room_for_trials(trees, RK4_STAGES)
-    ended = advance(floats, ints, steps, trees, 1, True, explicit.runge_kutta, (trial,), rk4_free, ())
+    rooms = (explicit.room_for_trials(trees, RK4_STAGES),), ()
+    ended = advance(floats, ints, steps, trees, True, explicit.runge_kutta, rk4_free, rooms)
     write_state(trees)
     return ended

@@ -275,10 +275,8 @@ class World:
             raise ValueError(f"world: body {body} is not kinematic, which a prescribed velocity is for")
         label = f"body '{self._names[body]}'"
         row = self.state()[body]
-        row[at.V : at.V + 3], row[at.W : at.W + 3] = (
-            finite(label, "v_WB", v_WB, (3,), "m/s"),
-            finite(label, "w_WB", w_WB, (3,), "rad/s"),
-        )
+        velocity, spin = finite(label, "v_WB", v_WB, (3,), "m/s"), finite(label, "w_WB", w_WB, (3,), "rad/s")
+        row[at.V : at.V + 3], row[at.W : at.W + 3] = velocity, spin
 
     def command(self, joint: str, target: float, target_velocity: float | None = None) -> None:
         """Set the target [rad or m] of a drive, and its target velocity unless None. Raises: ValueError without a drive."""

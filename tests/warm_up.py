@@ -39,7 +39,7 @@ def _of_tests() -> tuple[KernelGroup, ...]:
         step("joint coordinates", f"{held}_closing"),
         group("rays", ("rays.tiles_parallel.cast_tiles_parallel",), _cast_on_two_threads),
         *(stage("broad phases", f"broad.{name}.find_pairs") for name in phases),
-        *(step("broad phases", f"broad.{name}.find_candidates") for name in phases),
+        *(stage("broad phases", f"broad.{name}.find_pairs_parallel") for name in phases),
         *(stage("broad phases", f"broad.volumes.{name}.drop_apart") for name in ("obb", "sphere")),
         group("free bodies", ("steps.many_worlds.advance_worlds_parallel",), lambda: many_worlds(2)),
     )

@@ -98,8 +98,7 @@ def kernels() -> Kernels:
         step(JOINT_COORDINATES, f"{free}_adaptive"),
         group(RAYS, ("rays.polyhedra.cast_on_polyhedra",), _polyhedra),
         group(RAYS, IMAGES, _pictures),
-        step(FREE, "broad.uniform_grid.find_candidates"),
-        step(FREE, "broad.parallel_pairs.write_pairs"),
+        stage(FREE, "broad.uniform_grid.find_pairs_parallel"),
         *(step(FREE, f"{module.removeprefix('plumbline.engine.')}.step_{name}") for name, module in FREE_INTEGRATORS.items()),
         group(FREE, ("steps.many_worlds.advance_worlds",), many_worlds),
     )

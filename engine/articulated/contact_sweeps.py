@@ -13,7 +13,9 @@ J. Robotics Automation 3, 1987; Featherstone, Rigid Body Dynamics Algorithms, 20
 from typing import Final
 
 from plumbline.engine.articulated.responses import LINK, NOWHERE, Touched, change_of, give
+from plumbline.engine.articulated.spatial import STILL
 from plumbline.engine.compile.jit import kernel
+from plumbline.engine.constrain.joint_rows import AXES
 from plumbline.engine.maths.rows import Floats, Vec, store6, store9
 from plumbline.engine.maths.vec import add, cross, neg, tmat_vec
 from plumbline.engine.memory import arena as at
@@ -26,8 +28,6 @@ from plumbline.engine.respond.substep import kept_impulse
 
 SHARE: Final = 1e-6
 """Of the bodies' own mobility, which M has more than it should: a foot under a robot leaves a thousand times as much of it."""
-
-UNIT = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 
 @kernel
@@ -58,13 +58,12 @@ def write_mobility(bodies: Bodies, contacts: Contacts, touched: Touched, m: int)
     manifold, point, key = contacts.manifold, contacts.point, contacts.key
     a, b = touched.place[key[m, at.BODY_A]], touched.place[key[m, at.BODY_B]]
     centre = centre_of(manifold, m)
-    still = (0.0, 0.0, 0.0)
-    v1, w1 = answer(touched, a, b, centre, UNIT[0], still)
-    v2, w2 = answer(touched, a, b, centre, UNIT[1], still)
-    v3, w3 = answer(touched, a, b, centre, UNIT[2], still)
-    _, x1 = answer(touched, a, b, centre, still, UNIT[0])
-    _, x2 = answer(touched, a, b, centre, still, UNIT[1])
-    _, x3 = answer(touched, a, b, centre, still, UNIT[2])
+    v1, w1 = answer(touched, a, b, centre, AXES[0], STILL)
+    v2, w2 = answer(touched, a, b, centre, AXES[1], STILL)
+    v3, w3 = answer(touched, a, b, centre, AXES[2], STILL)
+    _, x1 = answer(touched, a, b, centre, STILL, AXES[0])
+    _, x2 = answer(touched, a, b, centre, STILL, AXES[1])
+    _, x3 = answer(touched, a, b, centre, STILL, AXES[2])
     shift, turn = own_mobility(bodies.body, key[m, at.BODY_A], key[m, at.BODY_B])
     s, t = SHARE * shift, SHARE * turn
     store6(manifold, m, at.NORMAL_BLOCK, (v3[2] + s, x1[0] + t, x2[1] + t, w3[0], w3[1], x1[1]))

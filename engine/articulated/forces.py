@@ -58,12 +58,8 @@ def load_links(trees: Trees) -> None:
     """Write inertia, bias and force of every link under gravity, loads and damping."""
     link, load, g = trees.link, trees.bodies.load, load3(trees.setting, 0, at.GRAVITY)
     for i in range(link.shape[0]):
-        m, b, w, v = (
-            link[i, tree.MASS],
-            trees.kind[i, tree.ROW],
-            load3(trees.motion, i, tree.VELOCITY),
-            centre_velocity(trees, i),
-        )
+        m, b = link[i, tree.MASS], trees.kind[i, tree.ROW]
+        w, v = load3(trees.motion, i, tree.VELOCITY), centre_velocity(trees, i)
         inertia = turned_inertia(trees, i)
         spin = sym_vec(inertia, w)
         torque = axpy(link[i, tree.ANGULAR_DAMPING], spin, neg(load3(load, b, 3)))

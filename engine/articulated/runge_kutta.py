@@ -20,7 +20,7 @@ from plumbline.engine.articulated.forces import load_links, weigh_links
 from plumbline.engine.articulated.motion import move_links, rates_of
 from plumbline.engine.articulated.tables import POSE, Trees
 from plumbline.engine.compile.jit import kernel
-from plumbline.engine.constrain.coordinate import DAMPED, STIFF, explicit_force
+from plumbline.engine.constrain.coordinate import explicit_force, too_stiff
 from plumbline.engine.integrate import runge_kutta as explicit
 from plumbline.engine.integrate.runge_kutta import DORMAND_PRINCE, RK4, Trial, quat_rate
 from plumbline.engine.maths.rows import Floats, load4, store3, store4
@@ -64,16 +64,11 @@ def mark_stiff_columns(trees: Trees, dt: float) -> None:
         j, k = kind[i, tree.JOINT], kind[i, tree.FIRST]
         if j < 0 or joint_kind[j, at.HAS] == 0:
             continue
-        joint_kind[j, at.IMPLICIT] = 0
         free_columns(trees)
         column[k, tree.PUSH] = 1.0
         weigh_links(trees)
         accelerations(trees, False)
-        mobility = trees.along[k, tree.CHANGE]
-        for law, has in ((at.SPRING, at.HAS_SPRING), (at.DRIVE, at.HAS_DRIVE)):
-            stiff = dt * dt * joint[j, law] * mobility > STIFF or dt * joint[j, law + 1] * mobility > DAMPED
-            if joint_kind[j, at.HAS] & has and stiff:
-                joint_kind[j, at.IMPLICIT] |= has
+        joint_kind[j, at.IMPLICIT] = joint_kind[j, at.HAS] & too_stiff(joint, j, dt, trees.along[k, tree.CHANGE])
         column[k, tree.PUSH] = 0.0
 
 
@@ -178,8 +173,8 @@ def act_at_end(h: float, trees: Trees) -> bool:
 
 
 @kernel
-def runge_kutta(h: float, trees: Trees, trial: Trial) -> bool:
-    """Advance all trees and bases by h, counting what joints carry. Returns: whether the laws had an answer."""
+def runge_kutta(trees: Trees, h: float, _reactions: bool, trial: Trial) -> bool:
+    """Advance all trees and bases by h, always counting what joints carry. Returns: whether the laws had an answer."""
     move_all(trees, trial.y, 0, False)
     find_accelerations(trees)
     go_through_stages(h, RK4, trees, trial)
@@ -214,8 +209,8 @@ def finish(h: float, taken: bool, trees: Trees, trial: Trial) -> bool:
 
 
 @kernel
-def dormand_prince(end: float, trees: Trees, trial: Trial) -> bool:
-    """Advance all trees and bases by `end` seconds in as many steps as the tolerance asks for, counting what joints carry.
+def dormand_prince(trees: Trees, end: float, _reactions: bool, trial: Trial) -> bool:
+    """Advance all trees and bases by `end` [s] in as many steps as the tolerance asks for, always counting what joints carry.
 
     Returns: whether they sufficed, and the laws had an answer.
     """

@@ -76,10 +76,10 @@ def close_bends(trees: Trees, h: float, reactions: bool) -> None:
 
 
 @kernel
-def semi_implicit_euler(trees: Trees, touching: held.Touching | None, h: float, substep: int, reactions: bool) -> bool:
+def semi_implicit_euler(trees: Trees, h: float, reactions: bool, touching: held.Touching | None, substep: int) -> bool:
     """Advance all trees and bases by a sub-step h, and the free bodies that contacts touch.
 
-    Args: touching: what else holds them, or None; reactions: whether to count what joints carry.
+    Args: reactions: whether to count what joints carry; touching: what else holds them, or None.
     Returns: whether the laws had an answer.
     """
     held.begin_loops(trees, touching, h)

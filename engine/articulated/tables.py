@@ -5,15 +5,15 @@ world without trees has none of it. A tree is the links that hang on each other 
 link's joint there are as many degrees of freedom, "columns", as it leaves.
 """
 
-from typing import Final, NamedTuple
+from typing import Annotated, Final, NamedTuple
 
 import numpy as np
 
 from plumbline.engine.compile.jit import inlined
 from plumbline.engine.maths.rows import Floats, Ints
 from plumbline.engine.memory import arena as at
-from plumbline.engine.memory.carve import floats_of, ints_of, table_within
-from plumbline.engine.memory.tables import Bodies, Joints, bodies_of, joints_of
+from plumbline.engine.memory.carve import carved, table_within
+from plumbline.engine.memory.tables import Bodies, Joints
 
 # Links: what stays.
 LINK: Final = 0
@@ -136,34 +136,6 @@ FLOAT_COLUMNS: Final = np.array([30, 37, 21, 2 * POSE, 22, 50, 60, 12, 2, 1, 6, 
 INT_COLUMNS: Final = np.array([10, 1, 1, 1])
 
 
-class Trees(NamedTuple):
-    """The trees of a world: the tables of links, columns, laws, answers, ties and loops; and what of the world they move in.
-
-    Terms: gyroscopic: 1 where the gyroscopic effect is on.
-    """
-
-    link: Floats
-    motion: Floats
-    body: Floats
-    coordinate: Floats
-    column: Floats
-    law: Floats
-    passage: Floats
-    answer: Floats
-    along: Floats
-    tie_factor: Floats
-    tie: Floats
-    arm: Floats
-    kind: Ints
-    other: Ints
-    closing: Ints
-    follower: Ints
-    bodies: Bodies
-    joints: Joints
-    setting: Floats
-    gyroscopic: int
-
-
 def float_view(floats: Floats, ints: Ints, k: int) -> Floats:
     """Table k of floats, (rows, columns), without a copy."""
     d = ints[len(ints) - 1] + 2 * k
@@ -194,28 +166,32 @@ def ints_at(ints: Ints, k: int) -> Ints:
     return table
 
 
-@inlined
-def trees_of(floats: Floats, ints: Ints) -> Trees:
-    """The trees of a world."""
-    return Trees(
-        floats_at(floats, ints, LINK),
-        floats_at(floats, ints, MOTION),
-        floats_at(floats, ints, BODY),
-        floats_at(floats, ints, COORDINATE),
-        floats_at(floats, ints, COLUMN),
-        floats_at(floats, ints, LAW),
-        floats_at(floats, ints, PASSAGE),
-        floats_at(floats, ints, ANSWER),
-        floats_at(floats, ints, ALONG),
-        floats_at(floats, ints, TIE_FACTOR),
-        floats_at(floats, ints, TIE),
-        floats_at(floats, ints, ARM),
-        ints_at(ints, KIND),
-        ints_at(ints, OTHER),
-        ints_at(ints, CLOSING),
-        ints_at(ints, FOLLOWER),
-        bodies_of(floats, ints),
-        joints_of(floats, ints),
-        floats_of(floats, ints, at.SETTING),
-        ints_of(ints, at.COUNT)[0, at.GYROSCOPIC],
-    )
+class Trees(NamedTuple):
+    """The trees of a world: the tables of links, columns, laws, answers, ties and loops; and what of the world they move in.
+
+    Terms: gyroscopic: 1 where the gyroscopic effect is on.
+    """
+
+    link: Annotated[Floats, floats_at, LINK]
+    motion: Annotated[Floats, floats_at, MOTION]
+    body: Annotated[Floats, floats_at, BODY]
+    coordinate: Annotated[Floats, floats_at, COORDINATE]
+    column: Annotated[Floats, floats_at, COLUMN]
+    law: Annotated[Floats, floats_at, LAW]
+    passage: Annotated[Floats, floats_at, PASSAGE]
+    answer: Annotated[Floats, floats_at, ANSWER]
+    along: Annotated[Floats, floats_at, ALONG]
+    tie_factor: Annotated[Floats, floats_at, TIE_FACTOR]
+    tie: Annotated[Floats, floats_at, TIE]
+    arm: Annotated[Floats, floats_at, ARM]
+    kind: Annotated[Ints, ints_at, KIND]
+    other: Annotated[Ints, ints_at, OTHER]
+    closing: Annotated[Ints, ints_at, CLOSING]
+    follower: Annotated[Ints, ints_at, FOLLOWER]
+    bodies: Bodies
+    joints: Joints
+    setting: Annotated[Floats, at.SETTING]
+    gyroscopic: Annotated[int, at.GYROSCOPIC]
+
+
+trees_of = carved(Trees)

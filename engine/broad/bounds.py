@@ -4,13 +4,13 @@ Source: Ericson, Real-Time Collision Detection, sections 4.2 (axis-aligned boxes
 """
 
 import math
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 from plumbline.engine.compile.jit import inlined, kernel
 from plumbline.engine.maths.rows import Floats, Ints, Quat, Vec, load3, load4, load9, store3, store9
 from plumbline.engine.maths.vec import add, mat_vec, norm, quat_mat, quat_mul
 from plumbline.engine.memory import arena as at
-from plumbline.engine.memory.carve import floats_of, ints_of
+from plumbline.engine.memory.carve import carved, floats_of, ints_of
 from plumbline.engine.memory.tables import Shapes, shapes_of
 
 
@@ -21,26 +21,15 @@ class CollisionFilter(NamedTuple):
     pairs of bodies that a joint keeps apart.
     """
 
-    kind: Ints
-    shape_kind: Ints
-    surface: Floats
-    materials: int
-    excluded: Ints
-    exclusions: int
+    kind: Annotated[Ints, at.BODY_KIND]
+    shape_kind: Annotated[Ints, at.SHAPE_KIND]
+    surface: Annotated[Floats, at.SURFACE]
+    materials: Annotated[int, at.MATERIALS]
+    excluded: Annotated[Ints, at.EXCLUDED]
+    exclusions: Annotated[int, at.EXCLUSIONS]
 
 
-@kernel
-def collision_filter_of(floats: Floats, ints: Ints) -> CollisionFilter:
-    """The filter of an arena."""
-    count = ints_of(ints, at.COUNT)
-    return CollisionFilter(
-        ints_of(ints, at.BODY_KIND),
-        ints_of(ints, at.SHAPE_KIND),
-        floats_of(floats, ints, at.SURFACE),
-        count[0, at.MATERIALS],
-        ints_of(ints, at.EXCLUDED),
-        count[0, at.EXCLUSIONS],
-    )
+collision_filter_of = carved(CollisionFilter)
 
 
 @inlined
@@ -102,11 +91,8 @@ def bound_shape(state: Floats, b: int, shapes: Shapes, s: int, bounds: Floats, l
         elif kind == at.CAPSULE:
             half = shape[s, at.SIZE] + shape[s, at.SIZE + 1] * abs(m[3 * k + 2])
         elif kind == at.BOX or kind >= at.HULL:
-            half = (
-                shape[s, at.SIZE] * abs(m[3 * k])
-                + shape[s, at.SIZE + 1] * abs(m[3 * k + 1])
-                + shape[s, at.SIZE + 2] * abs(m[3 * k + 2])
-            )
+            half = shape[s, at.SIZE] * abs(m[3 * k]) + shape[s, at.SIZE + 1] * abs(m[3 * k + 1])
+            half += shape[s, at.SIZE + 2] * abs(m[3 * k + 2])
         elif kind == at.ELLIPSOID:
             one, two = shape[s, at.SIZE] * m[3 * k], shape[s, at.SIZE + 1] * m[3 * k + 1]
             three = shape[s, at.SIZE + 2] * m[3 * k + 2]

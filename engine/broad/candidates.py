@@ -153,12 +153,18 @@ def count_shapes(_: Floats, ints: Ints) -> int:
 
 
 @kernel
+def count_pairs(ints: Ints, found: int) -> int:
+    """Note how many pairs this step has. Returns: DONE, or FULL where the arena has no room for them."""
+    fits = found <= len(ints_of(ints, at.PAIR))
+    ints_of(ints, at.COUNT)[0, at.PAIRS], ints_of(ints, at.TALLY)[0, at.SEARCHED] = found, int(fits)
+    return DONE if fits else FULL
+
+
+@kernel
 def write_pairs(floats: Floats, ints: Ints) -> int:
-    """Write the pairs of this step. Returns: DONE, or FULL where the arena has no room for them."""
-    pair = ints_of(ints, at.PAIR)
-    found = compare_candidates(floats, ints, 0, ints_of(ints, at.PROGRESS)[0, at.CANDIDATES], pair, ints_of(ints, at.CANDIDATE))
-    ints_of(ints, at.COUNT)[0, at.PAIRS], ints_of(ints, at.TALLY)[0, at.SEARCHED] = found, int(found <= len(pair))
-    return FULL if found > pair.shape[0] else DONE
+    """Write the pairs of this step. Returns: as `count_pairs`."""
+    candidate, candidates = ints_of(ints, at.CANDIDATE), ints_of(ints, at.PROGRESS)[0, at.CANDIDATES]
+    return count_pairs(ints, compare_candidates(floats, ints, 0, candidates, ints_of(ints, at.PAIR), candidate))
 
 
 @template

@@ -32,17 +32,9 @@ def load_search(broad_phase: str, volume: str, shapes: int, threads: int, colour
     """
     if broad_phase == "brute_force" and volume == "aabb" and shapes <= FEW and not coloured:
         return None
-    if threads == 1:
-        found: FindPairs = import_module(f"plumbline.engine.broad.{broad_phase}").find_pairs
-        return found
-    from plumbline.engine.broad.parallel_pairs import write_pairs
-
-    search = import_module(f"plumbline.engine.broad.{broad_phase}").find_candidates
-
-    def find_pairs(floats: Floats, ints: Ints) -> int:
-        return int(search(floats, ints, threads) or write_pairs(floats, ints, threads))
-
-    return find_pairs
+    name = "find_pairs" if threads == 1 else "find_pairs_parallel"
+    found: FindPairs = getattr(import_module(f"plumbline.engine.broad.{broad_phase}"), name)
+    return found
 
 
 def load_volume(name: str) -> DropApart | None:

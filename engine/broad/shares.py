@@ -9,7 +9,14 @@ from typing import Any
 import numpy as np
 from numba import prange
 
-from plumbline.engine.broad.candidates import add_unbounded, bounds_are_stale, count_shapes, keep_candidates
+from plumbline.engine.broad.candidates import (
+    add_unbounded,
+    bounds_are_stale,
+    compare_candidates,
+    count_pairs,
+    count_shapes,
+    keep_candidates,
+)
 from plumbline.engine.compile.jit import kernel, template
 from plumbline.engine.maths.rows import Floats, Ints
 from plumbline.engine.memory import arena as at
@@ -58,12 +65,14 @@ def search_in_shares(
 
 
 @template
-def search_in_shares_anew(
-    floats: Floats, ints: Ints, threads: int, build: Callable[..., Any], search: Callable[..., int]
-) -> int:
-    """Find the candidates anew where bounds have left their skins. Args, Returns: as `candidates.search_anew`."""
-    if not bounds_are_stale(floats, ints):
-        return DONE
-    among = build(floats, ints)
-    found = search_in_shares(floats, ints, threads, count_shapes(floats, ints), ints_of(ints, at.CANDIDATE), search, among)
-    return keep_candidates(floats, ints, add_unbounded(floats, ints, found))
+def search_in_shares_anew(floats: Floats, ints: Ints, build: Callable[..., Any], search: Callable[..., int]) -> int:
+    """As `candidates.search_anew`, on the threads of the world."""
+    threads, candidate = ints_of(ints, at.TALLY)[0, at.THREADS], ints_of(ints, at.CANDIDATE)
+    if bounds_are_stale(floats, ints):
+        among = build(floats, ints)
+        found = search_in_shares(floats, ints, threads, count_shapes(floats, ints), candidate, search, among)
+        status = keep_candidates(floats, ints, add_unbounded(floats, ints, found))
+        if status != DONE:
+            return status
+    candidates, pair = ints_of(ints, at.PROGRESS)[0, at.CANDIDATES], ints_of(ints, at.PAIR)
+    return count_pairs(ints, search_in_shares(floats, ints, threads, candidates, pair, compare_candidates, candidate))

@@ -178,6 +178,6 @@ def find_pairs(floats: Floats, ints: Ints) -> int:
 
 
 @parallel_entry
-def find_candidates(floats: Floats, ints: Ints, threads: int) -> int:
-    """Find the candidates anew where they are stale, on threads. Returns: as `search_anew`."""
-    return search_in_shares_anew(floats, ints, threads, fill_grid, search_range)
+def find_pairs_parallel(floats: Floats, ints: Ints) -> int:
+    """As `find_pairs`, on several threads."""
+    return search_in_shares_anew(floats, ints, fill_grid, search_range)

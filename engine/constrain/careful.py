@@ -27,11 +27,7 @@ NOISE = 1e-27
 @kernel
 def sym_times(m: Sym, x: Double, y: Double, z: Double) -> tuple[Double, Double, Double]:
     """m (x, y, z)."""
-    return (
-        dot2((m[0], m[3], m[4]), x, y, z),
-        dot2((m[3], m[1], m[5]), x, y, z),
-        dot2((m[4], m[5], m[2]), x, y, z),
-    )
+    return dot2((m[0], m[3], m[4]), x, y, z), dot2((m[3], m[1], m[5]), x, y, z), dot2((m[4], m[5], m[2]), x, y, z)
 
 
 @kernel

@@ -25,6 +25,16 @@ dt c / m well below the limit of stability, 2.78."""
 
 
 @kernel
+def too_stiff(joint: Floats, j: int, dt: float, mobility: float) -> int:
+    """Which of spring and drive of joint j explicit stages do not carry, bits as of HAS. Args: mobility: of its coordinate."""
+    bits = 0
+    for law, has in ((at.SPRING, at.HAS_SPRING), (at.DRIVE, at.HAS_DRIVE)):
+        if dt * dt * joint[j, law] * mobility > STIFF or dt * joint[j, law + 1] * mobility > DAMPED:
+            bits |= has
+    return bits
+
+
+@kernel
 def coordinate_row(state: Floats, joints: Joints, j: int, rows: Rows, r: int) -> tuple[float, float]:
     """Write row r, the rate of the coordinate of joint j, and count full turns of a revolute joint.
 

@@ -139,12 +139,8 @@ def solve(rows: Rows, n: int, bodies: Bodies, right: int, out: int) -> None:
 def rate(state: Floats, rows: Rows, r: int) -> float:
     """J v of row r."""
     row, a, b = rows.row, rows.body[r, 0], rows.body[r, 1]
-    return (
-        dot(load3(row, r, 0), load3(state, a, at.V))
-        + dot(load3(row, r, 3), load3(state, a, at.W))
-        + dot(load3(row, r, 6), load3(state, b, at.V))
-        + dot(load3(row, r, 9), load3(state, b, at.W))
-    )
+    of_a = dot(load3(row, r, 0), load3(state, a, at.V)) + dot(load3(row, r, 3), load3(state, a, at.W))
+    return of_a + dot(load3(row, r, 6), load3(state, b, at.V)) + dot(load3(row, r, 9), load3(state, b, at.W))
 
 
 @kernel

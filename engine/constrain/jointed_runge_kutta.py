@@ -16,7 +16,7 @@ import numpy as np
 
 from plumbline.engine.compile.jit import kernel
 from plumbline.engine.constrain.careful import careful_apply, careful_solve
-from plumbline.engine.constrain.coordinate import DAMPED, STIFF, coordinate_row, explicit_force
+from plumbline.engine.constrain.coordinate import coordinate_row, explicit_force, too_stiff
 from plumbline.engine.constrain.direct import apply_all, assemble, factor, is_careful, rate, solve
 from plumbline.engine.constrain.joint_rows import equality_rows
 from plumbline.engine.constrain.projection import project
@@ -69,10 +69,7 @@ def mark_stiff(bodies: Bodies, joints: Joints, rows: Rows, dt: float) -> None:
         if is_careful(rows, last + 1):
             solve(rows, last + 1, bodies, at.RIGHT, at.WORK)
         mobility = rows.factor[last, last] * rows.factor[last, last] if vector[at.PIVOT, last] == 0.0 else 0.0
-        if dt * dt * joint[j, at.SPRING] * mobility > STIFF or dt * joint[j, at.SPRING + 1] * mobility > DAMPED:
-            kind[j, at.IMPLICIT] |= at.HAS_SPRING
-        if dt * dt * joint[j, at.DRIVE] * mobility > STIFF or dt * joint[j, at.DRIVE + 1] * mobility > DAMPED:
-            kind[j, at.IMPLICIT] |= at.HAS_DRIVE
+        kind[j, at.IMPLICIT] = too_stiff(joint, j, dt, mobility)
 
 
 @kernel

@@ -90,11 +90,8 @@ def widest_joint(floats: Floats, ints: Ints, state: Floats, share: float, moving
         lever = norm(ra) + norm(rb) + joint[j, at.LENGTH]
         if moving:
             lever += body[a, at.EXTENT] + body[b, at.EXTENT] + way / share
-        length = (
-            share * lever
-            + CLOSED * way
-            + ROUND_OFF * (1.0 + norm(load3(state, a, at.P)) + norm(load3(state, b, at.P)) + norm(d))
-        )
+        size = 1.0 + norm(load3(state, a, at.P)) + norm(load3(state, b, at.P)) + norm(d)
+        length = share * lever + CLOSED * way + ROUND_OFF * size
         angle = share + (h * (wa + wb) if moving else 0.0)
         for r in range(n):
             turns = dot(load3(rows.row, r, at.JACOBIAN), load3(rows.row, r, at.JACOBIAN)) == 0.0

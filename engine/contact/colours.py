@@ -54,11 +54,9 @@ def cut_world(state: Floats, kind: Ints, owner: Ints, pair: Ints, n: int, bandin
     for axis in range(3):
         extent = high[axis] - low[axis]
         # A little wider, so that rounding puts no two bodies of a pair two bands apart.
-        fit = (
-            min(extent / (apart[axis] * (1.0 + 1e-9) + 1e-9 * extent), float(at.COLOURS * at.MOST_BANDS))
-            if extent > 0.0
-            else 1.0
-        )
+        fit = 1.0
+        if extent > 0.0:
+            fit = min(extent / (apart[axis] * (1.0 + 1e-9) + 1e-9 * extent), float(at.COLOURS * at.MOST_BANDS))
         if math.floor(fit) > banding[0, at.BAND_COUNT]:
             banding[0, at.BAND_AXIS], banding[0, at.BAND_COUNT], banding[0, at.BAND_START] = axis, math.floor(fit), low[axis]
             banding[0, at.BAND_WIDTH] = extent / math.floor(fit)

@@ -20,7 +20,7 @@ from plumbline.engine.memory.carve import floats_of, ints_of
 from plumbline.engine.memory.status import CONVEX_PENDING, DONE, FULL, SEARCH_PENDING
 from plumbline.engine.memory.tables import Bodies, bodies_of, contacts_of, old_contacts_of, pairs_of, rules_of, shapes_of
 from plumbline.engine.narrow.collide import is_convex_pair, ordered
-from plumbline.engine.narrow.point import Points
+from plumbline.engine.narrow.point import points_of
 
 SHARE = 0.01
 """Share of the margin, or of the body's own extent where that is less [1], by which a still body may have moved.
@@ -102,8 +102,7 @@ def find_contacts(floats: Floats, ints: Ints) -> int:
     for b in range(count[0, at.BODIES] + 1):
         kind[b, at.TOUCHED] = 0
     keep_old(kind, count, new, old)
-    out = Points(new.point, new.point_key, floats_of(floats, ints, at.CLIP), ints_of(ints, at.CLIP_KEY))
-    build_manifolds(bodies, shapes, rules, pairs, new, old, out)
+    build_manifolds(bodies, shapes, rules, pairs, new, old, points_of(floats, ints))
     keep_rest(state, kind, rest, count[0, at.BODIES])
     for m in range(count[0, at.MANIFOLDS]):
         new.order[m, 0] = m

@@ -16,7 +16,7 @@ from plumbline.engine.memory.carve import floats_of, ints_of
 from plumbline.engine.memory.status import DONE, FULL, SEARCH_PENDING
 from plumbline.engine.memory.tables import Shapes, shapes_of
 from plumbline.engine.narrow.box_pairs import sphere_box
-from plumbline.engine.narrow.point import Points
+from plumbline.engine.narrow.point import Points, points_of
 from plumbline.engine.narrow.round_pairs import sphere_plane
 from plumbline.engine.narrow.solid import solid_of
 
@@ -74,11 +74,7 @@ def build_touches(floats: Floats, ints: Ints, pairs: int) -> None:
     touch, rest = floats_of(floats, ints, at.TOUCH), floats_of(floats, ints, at.TOUCH_REST)
     old = floats_of(floats, ints, at.OLD_TOUCH)
     state, mover = floats_of(floats, ints, at.STATE), floats_of(floats, ints, at.MOVER)
-    setting = floats_of(floats, ints, at.SETTING)
-    points = Points(
-        floats_of(floats, ints, at.POINT), ints_of(ints, at.POINT_KEY),
-        floats_of(floats, ints, at.CLIP), ints_of(ints, at.CLIP_KEY),
-    )  # fmt: skip
+    setting, points = floats_of(floats, ints, at.SETTING), points_of(floats, ints)
     key, old_key, pair = ints_of(ints, at.TOUCH_KEY), ints_of(ints, at.OLD_TOUCH_KEY), ints_of(ints, at.PAIR)
     kind, count = ints_of(ints, at.BODY_KIND), ints_of(ints, at.COUNT)
     last, shapes, materials = count[0, at.MANIFOLDS], count[0, at.SHAPES], count[0, at.MATERIALS]

@@ -27,11 +27,8 @@ TAGS = 2**32
 @kernel
 def shape_poses(floats: Floats, ints: Ints) -> Floats:
     """Position [m] and rotation matrix in W of every shape (shapes, 12)."""
-    state, shape, shape_kind = (
-        floats_of(floats, ints, at.STATE),
-        floats_of(floats, ints, at.SHAPE),
-        ints_of(ints, at.SHAPE_KIND),
-    )
+    state, shape = floats_of(floats, ints, at.STATE), floats_of(floats, ints, at.SHAPE)
+    shape_kind = ints_of(ints, at.SHAPE_KIND)
     pose = np.empty((len(shape), 12))
     for s in range(ints_of(ints, at.COUNT)[0, at.SHAPES]):
         b = shape_kind[s, at.OWNER]

@@ -26,7 +26,4 @@ def lighting_of(bodies: Sequence[Body], sun: Sun) -> Lighting:
     """What surfaces do to light, and where it comes from."""
     rows = [(*one.optics.colour, one.optics.mirror, one.optics.transmission, one.optics.refractive_index) for one in bodies]
     towards = np.asarray(sun.towards_W, float)
-    return Lighting(
-        np.array(rows, float).reshape(-1, 6),
-        np.array([[*unit(towards), sun.irradiance, sun.sky]]),
-    )
+    return Lighting(np.array(rows, float).reshape(-1, 6), np.array([[*unit(towards), sun.irradiance, sun.sky]]))

@@ -33,12 +33,8 @@ from plumbline.engine.steps.count_step import count_step
 @kernel
 def skip_sleep(floats: Floats, ints: Ints, steps: int) -> int:
     """Let `steps` steps pass in which all bodies sleep and no fixed body moves. Returns: 1, or 0 if there is work to do."""
-    tally = ints_of(ints, at.TALLY)
-    if (
-        floats_of(floats, ints, at.SLEEP)[0, at.SLEEP_TIME] == 0.0
-        or tally[0, at.AWAKE] > 0
-        or ints_of(ints, at.COUNT)[0, at.STEPS] == 0
-    ):
+    tally, sleep = ints_of(ints, at.TALLY), floats_of(floats, ints, at.SLEEP)
+    if sleep[0, at.SLEEP_TIME] == 0.0 or tally[0, at.AWAKE] > 0 or ints_of(ints, at.COUNT)[0, at.STEPS] == 0:
         return 0
     if mark_changed(floats, ints) > 0 or tally[0, at.RESTLESS_BODIES] > 0:
         return 0
@@ -49,11 +45,8 @@ def skip_sleep(floats: Floats, ints: Ints, steps: int) -> int:
 @kernel
 def meet(floats: Floats, ints: Ints, keeping: bool) -> int:
     """Keep or find the contacts of this step, until none of them reaches a body asleep. Returns: as `begin_islands`."""
-    count, tally, sleeps = (
-        ints_of(ints, at.COUNT),
-        ints_of(ints, at.TALLY),
-        floats_of(floats, ints, at.SLEEP)[0, at.SLEEP_TIME] > 0.0,
-    )
+    count, tally = ints_of(ints, at.COUNT), ints_of(ints, at.TALLY)
+    sleeps = floats_of(floats, ints, at.SLEEP)[0, at.SLEEP_TIME] > 0.0
     searching = not keeping or not keep_contacts(floats, ints)
     while True:
         if searching:

@@ -56,12 +56,17 @@ def ints_of(ints: Ints, k: int) -> Ints:
 def carved(kind: type[Kind]) -> Callable[[Floats, Ints], Kind]:
     """What carves the tables of a kind from (floats, ints).
 
-    Args: kind: a NamedTuple whose fields are Annotated[Floats, number of the table], or Ints. Written out as text, since
-    compiled code has no loop over tables of two types.
+    Args: kind: a NamedTuple whose fields are Annotated[Floats or Ints, number of the table], with what carves it in between
+    unless that is `floats_of` or `ints_of`; Annotated[int, column of COUNT]; or of such a kind themselves. Written out as text,
+    since compiled code has no loop over tables of two types.
     """
-    fields = [get_args(field) for field in kind.__annotations__.values()]
-    tables = ", ".join(f"{'ints_of(' if of == Ints else 'floats_of(floats, '}ints, {k})" for of, k in fields)
-    names: dict[str, Any] = {"kind": kind, "floats_of": floats_of, "ints_of": ints_of}
-    exec(f"def carve(floats, ints):\n    return kind({tables})", names)
+    names: dict[str, Any] = {"_kind": kind, "_ints_of": ints_of}  # no field begins so
+    parts = []
+    for name, field in kind.__annotations__.items():
+        of, *by, k = get_args(field) or (field, None)
+        names[name] = carved(of) if k is None else by[0] if by else ints_of if of == Ints else floats_of
+        words = "floats, ints" if k is None else f"ints, {k}" if of == Ints else f"floats, ints, {k}"
+        parts.append(f"_ints_of(ints, {at.COUNT})[0, {k}]" if of is int else f"{name}({words})")
+    exec(f"def carve(floats, ints):\n    return _kind({', '.join(parts)})", names)
     made: Callable[[Floats, Ints], Kind] = inlined(names["carve"])
     return made

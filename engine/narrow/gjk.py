@@ -6,13 +6,13 @@ sub-simplices).
 """
 
 import math
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 from plumbline.engine.compile.jit import kernel
 from plumbline.engine.maths.rows import Floats, Ints, Vec, load3, store3
 from plumbline.engine.maths.vec import add, axpy, cross, dot, neg, norm, scale, sub
 from plumbline.engine.memory import arena as at
-from plumbline.engine.memory.carve import floats_of, ints_of
+from plumbline.engine.memory.carve import carved
 from plumbline.engine.narrow.support import Solids, core_support
 
 MAX_ROUNDS = 128
@@ -29,14 +29,11 @@ SHARE = 9
 class Simplex(NamedTuple):
     """Scratch: corners of A - B, first those of the simplex, and the faces that EPA spans over them."""
 
-    work: Floats
-    key: Ints
+    work: Annotated[Floats, at.SIMPLEX]
+    key: Annotated[Ints, at.SIMPLEX_KEY]
 
 
-@kernel
-def simplex_of(floats: Floats, ints: Ints) -> Simplex:
-    """The scratch of an arena."""
-    return Simplex(floats_of(floats, ints, at.SIMPLEX), ints_of(ints, at.SIMPLEX_KEY))
+simplex_of = carved(Simplex)
 
 
 @kernel

@@ -1,11 +1,12 @@
 """Where the narrow phase writes: the contact points of a manifold, four rows each, and the polygons they are clipped from."""
 
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 from plumbline.engine.compile.jit import kernel
 from plumbline.engine.maths.rows import Floats, Ints, Vec, store3
 from plumbline.engine.maths.vec import axpy
 from plumbline.engine.memory import arena as at
+from plumbline.engine.memory.carve import carved
 
 CORNERS_OF_B = 1 << 24
 """Features of convex pairs from here belong to corners of B on a face of A."""
@@ -14,10 +15,13 @@ CORNERS_OF_B = 1 << 24
 class Points(NamedTuple):
     """Tables of points and their features, and scratch for the corners of polygons and what each of them is called."""
 
-    point: Floats
-    key: Ints
-    polygon: Floats
-    polygon_key: Ints
+    point: Annotated[Floats, at.POINT]
+    key: Annotated[Ints, at.POINT_KEY]
+    polygon: Annotated[Floats, at.CLIP]
+    polygon_key: Annotated[Ints, at.CLIP_KEY]
+
+
+points_of = carved(Points)
 
 
 @kernel

@@ -6,41 +6,29 @@ Source: van den Bergen, Collision Detection in Interactive 3D Environments, 2003
 """
 
 import math
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 from plumbline.engine.compile.jit import kernel
 from plumbline.engine.maths.rows import Floats, Ints, Vec, load3, load9
 from plumbline.engine.maths.vec import dot, mat_vec, tmat_vec
 from plumbline.engine.memory import arena as at
-from plumbline.engine.memory.carve import floats_of, ints_of
+from plumbline.engine.memory.carve import carved
 
 
 class Solids(NamedTuple):
     """The tables that describe shapes: sizes, poses in W, corners and faces of polyhedra."""
 
-    shape: Floats
-    pose: Floats
-    vertex: Floats
-    face: Floats
-    shape_kind: Ints
-    polyhedron: Ints
-    span: Ints
-    loop: Ints
+    shape: Annotated[Floats, at.SHAPE]
+    pose: Annotated[Floats, at.POSE]
+    vertex: Annotated[Floats, at.VERTEX]
+    face: Annotated[Floats, at.FACE]
+    shape_kind: Annotated[Ints, at.SHAPE_KIND]
+    polyhedron: Annotated[Ints, at.POLYHEDRON]
+    span: Annotated[Ints, at.SPAN]
+    loop: Annotated[Ints, at.LOOP]
 
 
-@kernel
-def solids_of(floats: Floats, ints: Ints) -> Solids:
-    """The tables of the shapes of an arena."""
-    return Solids(
-        floats_of(floats, ints, at.SHAPE),
-        floats_of(floats, ints, at.POSE),
-        floats_of(floats, ints, at.VERTEX),
-        floats_of(floats, ints, at.FACE),
-        ints_of(ints, at.SHAPE_KIND),
-        ints_of(ints, at.POLYHEDRON),
-        ints_of(ints, at.SPAN),
-        ints_of(ints, at.LOOP),
-    )
+solids_of = carved(Solids)
 
 
 @kernel

@@ -11,6 +11,24 @@ from plumbline.engine.respond.softness import PRESS, PUSH, TURN, Softness, softn
 from plumbline.engine.respond.spheres import Touches, press_spheres, push_again, relax_spheres, touches_of, turn_normals
 
 
+@template
+def visit(floats: Floats, ints: Ints, touches: Touches, first: int, end: int, soft: Softness, aim: int, share: float) -> bool:
+    """Do what `aim` says to the contacts first..end - 1, in rising rows.
+
+    Args: share: as that of `push_again`. Returns: as `relax_spheres`.
+    """
+    slipping = False
+    if aim == PRESS:
+        press_spheres(touches, first, end, soft)
+    elif aim == PUSH:
+        push_again(touches, first, end, share)
+    elif aim == TURN:
+        turn_normals(touches, first, end, floats_of(floats, ints, at.STATE))
+    else:
+        slipping = relax_spheres(touches, first, end, aim)
+    return slipping
+
+
 @kernel
 def visit_lane(floats: Floats, ints: Ints, aim: int, share: float, colour: int, lane: int, lanes: int) -> bool:
     """Do what `aim` says to the contacts that a lane of so many has of a colour. Returns: as `relax_spheres`.
@@ -20,34 +38,13 @@ def visit_lane(floats: Floats, ints: Ints, aim: int, share: float, colour: int, 
     touches, bands, setting = touches_of(floats, ints), ints_of(ints, at.BANDS), floats_of(floats, ints, at.SETTING)
     soft = softness_of(setting, setting[0, at.DT] / ints_of(ints, at.COUNT)[0, at.SUBSTEPS])
     first, end = cut(bands, colour, lane, lanes), cut(bands, colour, lane + 1, lanes)
-    slipping = False
-    if aim == PRESS:
-        press_spheres(touches, end, soft, first)
-    elif aim == PUSH:
-        push_again(touches, end, share, first)
-    elif aim == TURN:
-        turn_normals(touches, end, floats_of(floats, ints, at.STATE), first)
-    else:
-        slipping = relax_spheres(touches, end, aim, first)
-    return slipping
+    return visit(floats, ints, touches, first, end, soft, aim, share)
 
 
 @template
 def as_found(floats: Floats, ints: Ints, touches: Touches, soft: Softness, aim: int, share: float) -> bool:
-    """Do what `aim` says to all contacts, in rising rows.
-
-    Args: share: as that of `push_again`. Returns: as `relax_spheres`.
-    """
-    n, slipping = ints_of(ints, at.COUNT)[0, at.MANIFOLDS], False
-    if aim == PRESS:
-        press_spheres(touches, n, soft)
-    elif aim == PUSH:
-        push_again(touches, n, share)
-    elif aim == TURN:
-        turn_normals(touches, n, floats_of(floats, ints, at.STATE))
-    else:
-        slipping = relax_spheres(touches, n, aim)
-    return slipping
+    """As `visit`, of all contacts."""
+    return visit(floats, ints, touches, 0, ints_of(ints, at.COUNT)[0, at.MANIFOLDS], soft, aim, share)
 
 
 @template

@@ -113,7 +113,7 @@ def note_strikes(touches: Touches, count: int, setting: Floats, h: float, slow: 
 
 
 @kernel
-def push_again(touches: Touches, end: int, share: float, first: int = 0) -> None:
+def push_again(touches: Touches, first: int, end: int, share: float) -> None:
     """Apply the impulses of the last sub-step, and count a share of them to the step's: 0 for those of the step before."""
     touch, key, mover = touches.touch, touches.key, touches.mover
     for t in range(first, end):
@@ -128,7 +128,7 @@ def push_again(touches: Touches, end: int, share: float, first: int = 0) -> None
 
 
 @kernel
-def turn_normals(touches: Touches, end: int, state: Floats, first: int = 0) -> None:
+def turn_normals(touches: Touches, first: int, end: int, state: Floats) -> None:
     """Normals and gaps at the present places; friction is turned along with its normal.
 
     So is the impulse of a blow, with what it did to the velocities: the whole of it has then the direction that the rebound
@@ -203,7 +203,7 @@ def store_moving(mover: Floats, a: int, b: int, moves: int, motion: Motion) -> N
 
 
 @kernel
-def press_spheres(touches: Touches, end: int, soft: Softness, first: int = 0) -> None:
+def press_spheres(touches: Touches, first: int, end: int, soft: Softness) -> None:
     """One sweep that corrects positions, as `soft.sweep` does to PRESS: friction and then the normal of each contact.
 
     Neither changes the velocity that the other answers, so that both are taken from one.
@@ -227,7 +227,7 @@ def press_spheres(touches: Touches, end: int, soft: Softness, first: int = 0) ->
 
 
 @kernel
-def relax_spheres(touches: Touches, end: int, aim: int, first: int = 0) -> bool:
+def relax_spheres(touches: Touches, first: int, end: int, aim: int) -> bool:
     """One sweep without the position error, as `soft.sweep`: the normal and then friction, both from one velocity.
 
     Args: aim: RELAX, or REBOUND to give struck contacts their rebound.

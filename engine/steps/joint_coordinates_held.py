@@ -49,11 +49,7 @@ def left_open(floats: Floats, ints: Ints, rows: Rows | None, status: int) -> int
 
 @template
 def advance_held(
-    floats: Floats,
-    ints: Ints,
-    steps: int,
-    meeting: Callable[[Floats, Ints], int],
-    room: Callable[[Floats, Ints], Rows | None],
+    floats: Floats, ints: Ints, steps: int, meeting: Callable[[Floats, Ints], int], room: Callable[[Floats, Ints], Rows | None]
 ) -> tuple[int, int]:
     """The loop of all these steps.
 
@@ -81,7 +77,7 @@ def advance_held(
             forget_responses(trees)
             clear_reactions(trees.joints)
             for substep in range(substeps):
-                if status == DONE and not semi_implicit_euler(trees, touching, soft.h, substep, done == steps):
+                if status == DONE and not semi_implicit_euler(trees, soft.h, done == steps, touching, substep):
                     status = UNSOLVED
             end_step(contacts)
             for n in range(trees.other.shape[0]):

@@ -13,6 +13,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from plumbline.engine.compile.jit import kernel, template
+from plumbline.engine.constrain.reactions import clear_reactions
 from plumbline.engine.constrain.stages import BEGIN, END, KNOWN, NEW, Held
 from plumbline.engine.contact.find_contacts import find_contacts, keep_contacts
 from plumbline.engine.integrate.all_bodies import drift_all, kick_all
@@ -20,7 +21,7 @@ from plumbline.engine.maths.rows import Floats, Ints
 from plumbline.engine.memory import arena as at
 from plumbline.engine.memory.carve import ints_of
 from plumbline.engine.memory.status import DONE
-from plumbline.engine.memory.tables import Bodies, Contacts, Joints, Rows, in_order
+from plumbline.engine.memory.tables import Bodies, Contacts, Joints, Rows, bodies_of, in_order, joints_of
 from plumbline.engine.respond.share_loads import share_loads
 from plumbline.engine.respond.softness import FRESH, FRESH_JOINTED, PRESS, PUSH, REBOUND, RELAX, TURN, Softness, slow_approach
 from plumbline.engine.respond.substep import approach, bounce, end_substep, friction_mode
@@ -57,6 +58,18 @@ class Effort(NamedTuple):
 def meet(floats: Floats, ints: Ints) -> int:
     """Keep the contacts of the last step where all bodies are still, else find those of this one. Returns: a status."""
     return DONE if keep_contacts(floats, ints) else int(find_contacts(floats, ints))
+
+
+@kernel
+def meet_jointed(floats: Floats, ints: Ints) -> int:
+    """Find the contacts of this step, and let joints touch their bodies. Returns: a status."""
+    status, bodies, joints = find_contacts(floats, ints), bodies_of(floats, ints), joints_of(floats, ints)
+    if status == DONE:
+        for j in range(joints.kind.shape[0]):
+            bodies.kind[joints.kind[j, at.PARENT], at.TOUCHED] = 1
+            bodies.kind[joints.kind[j, at.CHILD], at.TOUCHED] = 1
+        clear_reactions(joints)
+    return int(status)
 
 
 @kernel

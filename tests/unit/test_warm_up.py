@@ -81,8 +81,7 @@ def signatures(entry: str) -> int:
     [
         ("steps.smooth.step_free", {}),
         ("broad.bvh.find_pairs", {"broad_phase": "bvh"}),
-        ("broad.bvh.find_candidates", {"broad_phase": "bvh", "threads": 2}),
-        ("broad.parallel_pairs.write_pairs", {"broad_phase": "bvh", "threads": 2}),
+        ("broad.bvh.find_pairs_parallel", {"broad_phase": "bvh", "threads": 2}),
         ("broad.volumes.obb.drop_apart", {"broad_phase": "bvh", "bounding_volume": "obb"}),
     ],
 )

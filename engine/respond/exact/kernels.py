@@ -14,7 +14,6 @@ from plumbline.engine.constrain.coordinate import bounded_rows
 from plumbline.engine.constrain.direct import assemble, rate
 from plumbline.engine.constrain.joint_rows import equality_rows
 from plumbline.engine.constrain.open_joints import open_joint
-from plumbline.engine.contact.find_contacts import find_contacts
 from plumbline.engine.integrate import all_bodies
 from plumbline.engine.maths.rows import Floats, Ints, load3, load6, store3
 from plumbline.engine.maths.vec import add, axpy, cross, dot, neg, scale, sym_vec
@@ -26,6 +25,7 @@ from plumbline.engine.respond.arms import refresh
 from plumbline.engine.respond.softness import slow_approach
 from plumbline.engine.respond.substep import approach, sum_impulses
 from plumbline.engine.steps.count_step import count_step
+from plumbline.engine.steps.stages import meet_jointed
 
 BROUGHT, FRICTION, RESTITUTION, APART, COLUMNS = 0, 3, 4, 5, 6
 """Columns of what is said of a contact: the impulse (3) N s that it brings, along its rows, Coulomb's and Newton's coefficient,
@@ -35,13 +35,10 @@ and its gap [m]."""
 @entry
 def begin_step(floats: Floats, ints: Ints) -> int:
     """Find the contacts of a step and advance the bodies that neither they nor joints touch. Returns: as `find_contacts`."""
-    status = find_contacts(floats, ints)
+    status = meet_jointed(floats, ints)
     if status == DONE:
-        bodies, joints, count = bodies_of(floats, ints), joints_of(floats, ints), ints_of(ints, at.COUNT)
-        for j in range(count[0, at.JOINTS]):
-            bodies.kind[joints.kind[j, at.PARENT], at.TOUCHED] = 1
-            bodies.kind[joints.kind[j, at.CHILD], at.TOUCHED] = 1
-        all_bodies.advance_untouched(bodies, floats_of(floats, ints, at.SETTING), count, ints_of(ints, at.BODY_ORDER))
+        bodies, setting, count = bodies_of(floats, ints), floats_of(floats, ints, at.SETTING), ints_of(ints, at.COUNT)
+        all_bodies.advance_untouched(bodies, setting, count, ints_of(ints, at.BODY_ORDER))
     return status
 
 

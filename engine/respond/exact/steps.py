@@ -110,7 +110,6 @@ class ExactSteps:
             status = int(begin_step(floats, ints))
             if status != DONE:
                 return step, status
-            at.float_table(floats, ints, at.JOINT)[:, at.REACTION : at.REACTION + 6] = 0.0
             for substep in range(self._substeps):
                 if self._advance(floats, ints, int(substep == self._substeps - 1)):
                     return step + 1, DIVERGED

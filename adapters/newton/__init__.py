@@ -213,6 +213,12 @@ ADAPTER = NewtonAdapter(
             "impedance of .95 it does not (4.6e-6), but a pyramid sinks by 4.2 times as much as on 'default', for .27 times at "
             ".999, and what rests on a slope creeps by 50 times as much; pyramids of friction are up to 41 % off",
         ),
+        TradeOff(
+            cases=("stack_stirred",),
+            at=("own step",),
+            why="how deep bodies are pressed at the worst instant of a stirring is chance: 10.5 mm against 6.6 at the case's own "
+            "seed, 10.7 against 9.7 and 13.4 at the next two",
+        ),
     ),
     loads=("newton", "mujoco_warp"),
     compile_allowance=900.0,

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 __all__ = ["end_with_the_summary", "summarised"]
 
 
-def summarised(store: "Store", _recordings: bool) -> "WrittenReport":
+def summarised(store: "Store", _recordings: bool, *, anew: bool) -> "WrittenReport":
     """What stands beside the tables."""
     from plumbline.harness.findings.summary import write_summary  # late, as above
     from plumbline.reports.html.written import WrittenReport

@@ -216,7 +216,7 @@ ADAPTER = NewtonAdapter(
         TradeOff(
             cases=("stack_stirred",),
             at=("own step",),
-            why="the worst instant of a stirring varies from seed to seed by as much as between the tracks: over four seeds bodies "
+            why="the worst instant of a stirring varies as much from seed to seed as between tracks: over four seeds bodies "
             "overlap by 10.5, 10.7, 12.6 and 16.2 mm against 6.6, 9.7, 13.4 and 8.2",
         ),
     ),

@@ -26,7 +26,8 @@ _KINDS = {
 }
 
 _SCANNER = json.JSONDecoder()
-_LONG = r"(?<![\w\"'])[0-9][0-9_]{{{digits},}}"
+_LONG = r"[0-9](?<![\w\"'].)[0-9_]{{{digits},}}"
+"""A number of more digits than that; the look behind it comes second, which lets a search skip to the next digit."""
 _PART = r"""(?:[A-Za-z0-9_-]++|"(?:[^"\\\n]++|\\.)*+"|'[^'\n]*+')"""
 _DOTTED = rf"(?:(?m:^)[ \t]*+\[{{{{0,2}}}}|[{{{{,])[ \t]*+({_PART}(?:[ \t]*+\.[ \t]*+{_PART}){{{{{{depth}},}}}}+)"
 """A key or a header of TOML that has more parts than may lie in each other, at the beginning of a line or in a table in a line:
@@ -140,11 +141,11 @@ def _beyond(text: str, is_toml: bool) -> str:
         before = text[max(0, long.start() - 40) : long.start()].rpartition("\n")[2]
         digits = beyond("digits", len(long[0].replace("_", "")), "digits of a number")
         return f"{_line(text, long)}: {quoted((before + long[0][:20]).strip())}...: {digits}"
-    if is_toml and (dotted := re.search(_DOTTED.format(depth=limits.depth), text)):
-        return f"{_line(text, dotted)}: {beyond('depth', len(re.findall(_PART, dotted[1])), 'tables in each other')}"
     for name in _ELEMENTS:
         if excess := beyond(name, (_headers if is_toml else _listed)(text, name)):
             return f"{name}: at least {excess}"
+    if is_toml and (dotted := re.search(_DOTTED.format(depth=limits.depth), text)):
+        return f"{_line(text, dotted)}: {beyond('depth', len(re.findall(_PART, dotted[1])), 'tables in each other')}"
     return beyond("parts", text.count("[") + text.count("{"), "arrays and tables")
 
 

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import fields
+from typing import Any
 
 import numpy as np
 
@@ -28,35 +29,47 @@ STILL = 1e-3
 
 def reported(built: Built) -> Contacts:
     """What DART reports of the last step."""
+    bodies: dict[Any, int] = {}
     rows: list[tuple[int, int, Floats, Floats, float, Floats]] = []
     for contact in built.world.getLastCollisionResult().getContacts():
         # Normal and force belong to the first object, whichever body a detector puts there.
-        b = body_of(contact.collisionObject1)
-        a = body_of(contact.collisionObject2)
+        b, a = (
+            bodies[one] if one in bodies else bodies.setdefault(one, body_of(one))
+            for one in (contact.collisionObject1, contact.collisionObject2)
+        )
         if built.scene.bodies[a].movable or built.scene.bodies[b].movable:
             rows.append((a, b, contact.point, contact.normal, -contact.penetrationDepth, contact.force))
     if not rows:
         return Contacts.none()
     a_, b_, _, normal, gap, force = zip(*rows, strict=True)
-    middle = [half_way(built, *row[:5]) for row in rows]
+    ends: dict[tuple[int, int, bytes], Ends] = {}
+    middle = [_half_way(built, ends, *row[:5]) for row in rows]
     return Contacts.of(a_, b_, np.array(middle), np.array(normal), np.array(gap), np.array(force))
 
 
-def half_way(built: Built, a: int, b: int, point: Floats, normal: Floats, gap: float) -> Floats:
+Ends = tuple[float | None, float | None]
+"""Where the first body of a pair ends along its normal, and where the second begins, from the origin of W [m]."""
+
+
+def _half_way(
+    built: Built, ends: dict[tuple[int, int, bytes], Ends], a: int, b: int, point: Floats, normal: Floats, gap: float
+) -> Floats:
     """The point between both surfaces [m], of one that a detector may tell on either.
 
     ODE's detector tells the corner of a box or the lowest point of a ball on a plane, and the middle of two balls; FCL's and
     DART's own differ pair by pair. Where a body ends along the normal its surface is, if it is convex: the point is taken to be
     on the surface that it is next to, and stays as it is if it is next to none.
 
-    Args: a, b: bodies, the normal from a to b. gap [m]: below 0 in penetration.
+    Args: ends: those known of this step, by pair and normal. a, b: bodies, the normal from a to b. gap [m]: below 0 in
+    penetration.
     """
-    height = float(normal @ point)
-    surfaces = [(_end(built, a, normal), gap / 2), (_end(built, b, -normal), -gap / 2)]
-    for end, inwards in ((end if inwards == gap / 2 else -end, inwards) for end, inwards in surfaces if end is not None):
-        for surface in (end, end + 2 * inwards):
-            if abs(height - surface) < abs(gap) / 8:
-                return np.asarray(point + (end + inwards - height) * normal)
+    height, pair = float(normal @ point), (a, b, normal.tobytes())
+    if pair not in ends:
+        far = _end(built, b, -normal)
+        ends[pair] = _end(built, a, normal), None if far is None else -far
+    for end, inwards in zip(ends[pair], (gap / 2, -gap / 2), strict=True):
+        if end is not None and min(abs(height - end), abs(height - (end + 2 * inwards))) < abs(gap) / 8:
+            return np.asarray(point + (end + inwards - height) * normal)
     return point
 
 

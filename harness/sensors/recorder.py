@@ -72,7 +72,10 @@ def _due(sensor: Sensor, setting: Setting, start: State) -> _Due:
 
 
 class SensorRecorder:
-    """Reads the sensors of a scene; `read` is to be called every `interval_steps` steps, at time 0 too or not."""
+    """Reads the sensors of a scene; `read` is to be called every `interval_steps` steps, at time 0 too or not.
+
+    Terms: interval_steps: the greatest common divisor of all sensors' intervals and latencies.
+    """
 
     def __init__(self, scene: Scene, simulation: Simulation, seed: int, dt: float) -> None:
         self._dt = dt
@@ -83,12 +86,8 @@ class SensorRecorder:
         simulation.state(start)
         setting = Setting(scene, simulation, seed, dt)
         self._due = [_due(sensor, setting, start) for sensor in scene.sensors]
+        self.interval_steps = math.gcd(*(steps for due in self._due for steps in (due.every, due.late)))
         self._until = 0.0
-
-    @property
-    def interval_steps(self) -> int:
-        """Steps between two calls of `read`: the greatest common divisor of all sensors' intervals and latencies."""
-        return math.gcd(*(steps for due in self._due for steps in (due.every, due.late)))
 
     def read(self, time: float, state: State) -> None:
         """Take the readings that are due at `time` [s], a multiple of dt; `state` is the simulation's at that time.

@@ -8,6 +8,7 @@ Beside runs they say under which circumstances a session began, and which trials
 import fcntl
 import hashlib
 import json
+import sys
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -124,6 +125,7 @@ class LineChain(Generic[Entry]):
         elif kind == "accuracy":
             if name in self.entries:
                 raise ValueError(f"holds trial {name} a second time")
+            name = sys.intern(name)  # which other folders have too
             self.entries[name] = self.answered(from_plain(Record, content))
             self.made_in[name] = len(self.sessions) - 1
             self.lost.pop(name, None)

@@ -1,6 +1,7 @@
 """Where the records of a journal stand in it: for those who read large ones record by record, and not all at once."""
 
 import json
+import sys
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -35,6 +36,11 @@ class Whereabouts:
         return self.trajectory_hash or self.status
 
 
+def _once(value: Any) -> Any:
+    """The value; a text as the equal one that is in memory already, as records and folders share most of theirs."""
+    return sys.intern(value) if isinstance(value, str) else value
+
+
 class Index(LineChain[Whereabouts]):
     """Its entries say where records stand."""
 
@@ -44,14 +50,15 @@ class Index(LineChain[Whereabouts]):
 
     def answered(self, record: Record) -> Whereabouts:
         """Where it stands: at the end of what was read."""
+        order: Any = tuple(map(_once, order_of(record)))
         return Whereabouts(
-            order=order_of(record),
+            order=order,
             start=self.end,
-            status=record.status,
-            trajectory_hash=record.trajectory_hash,
+            status=_once(record.status),
+            trajectory_hash=_once(record.trajectory_hash),
             trajectory_kept=record.trajectory_kept,
-            question=repr((record.experiment, record.case, sorted(record.parameters.items(), key=str))),
-            machine=None if record.timing is None else record.timing.clocked_on,
+            question=_once(repr((record.experiment, record.case, sorted(record.parameters.items(), key=str)))),
+            machine=None if record.timing is None else _once(record.timing.clocked_on),
         )
 
     def timed(self, entry: Whereabouts, timing: Timing) -> Whereabouts:

@@ -41,8 +41,8 @@ TABLES = tuple(COLUMNS)
 MOST_ROWS = 20_000_000
 MOST_BYTES = 2 * 2**30
 """What a table may take once it is unpacked."""
-BATCH = 5000
-"""Trials of a row group."""
+BATCH, PIECE = 5000, 500
+"""Trials of a row group, and of what is in Python at once."""
 _NUMBERS: dict[Any, str] = {float: "float64", float | None: "float64", int: "int64", bool: "bool", bool | None: "boolean"}
 _TYPES = {
     f.name: _NUMBERS[f.type]
@@ -117,27 +117,45 @@ def _in_python(values: list[Any], column: str) -> "pd.Series[Any]":
     return pd.Series([math.nan if value is None else value for value in values], dtype=object)
 
 
-def _in_arrow(name: str, rows: Sequence[Mapping[str, Any]]) -> "pa.Table":
+def _in_arrow(tables: Rows) -> dict[str, "pa.Table"]:
     import pyarrow as pa
 
     kinds = {"float64": pa.float64(), "int64": pa.int64(), "bool": pa.bool_(), "boolean": pa.bool_(), "": pa.string()}
-    return pa.table(
-        {
-            column: pa.array([row[column] for row in rows], kinds[_TYPES.get(column, "")], from_pandas=True)
-            for column in _columns(name)
-        }
-    )
+    return {
+        name: pa.table(
+            {
+                column: pa.array([row[column] for row in rows], kinds[_TYPES.get(column, "")], from_pandas=True)
+                for column in _columns(name)
+            }
+        )
+        for name, rows in tables.items()
+    }
 
 
 def _batches(records: Iterable[Record]) -> Iterator[dict[str, "pa.Table"]]:
     """What the tables hold of each `BATCH` of records, by name; one without rows where there are none."""
+    pieces: list[dict[str, pa.Table]] = []
+    for piece in _pieces(records):
+        pieces.append(_in_arrow(_rows(piece)))
+        if len(pieces) == BATCH // PIECE:
+            yield _joined(pieces)
+            pieces.clear()
+    if pieces:
+        yield _joined(pieces)
+
+
+def _pieces(records: Iterable[Record]) -> Iterator[list[Record]]:
+    """`PIECE` records after the other; an empty one where there are none."""
     remaining = iter(records)
-    batch = list(islice(remaining, BATCH))
-    while True:
-        yield {name: _in_arrow(name, rows) for name, rows in _rows(batch).items()}
-        batch = list(islice(remaining, BATCH))
-        if not batch:
-            return
+    yield list(islice(remaining, PIECE))
+    while piece := list(islice(remaining, PIECE)):
+        yield piece
+
+
+def _joined(pieces: Sequence[Mapping[str, "pa.Table"]]) -> dict[str, "pa.Table"]:
+    import pyarrow as pa
+
+    return {name: pa.concat_tables([piece[name] for piece in pieces]).combine_chunks() for name in COLUMNS}
 
 
 def in_parquet(records: Iterable[Record], compression: str = "snappy") -> dict[str, bytes]:

@@ -23,8 +23,12 @@ LAST = 1000
 class Picture(Protocol):
     """A picture that is still to be drawn: a chart or a scene, which takes longer than the page that shows it."""
 
+    def standing(self, _report: Path) -> str | bytes | None:
+        """Its file in an earlier report of the folder, where that is whole and shows the same."""
+        return None
+
     def kept(self, report: Path) -> str | bytes:
-        """Its file: the one of an earlier report of the folder where that shows the same, else drawn now."""
+        """Its file: the standing one where there is one, else drawn now."""
 
 
 PATIENCE = 60.0

@@ -186,13 +186,17 @@ class Figure:
         drawn = json.dumps([version("vl-convert-python"), VEGA_LITE, "frames by number", self._finished(640)], sort_keys=True)
         return f"<!-- {hashlib.sha256(drawn.encode()).hexdigest()[:20]} -->"
 
-    def kept(self, report: Path) -> str:
-        """The same picture from an earlier report of the folder, where it is whole."""
+    def standing(self, report: Path) -> str | None:
+        """The same picture in an earlier report of the folder, where it is whole."""
         with suppress(OSError, UnicodeDecodeError):
             text = (report / self.path).read_bytes().decode()
             if text.endswith(self._mark):
                 return text
-        return self.svg
+        return None
+
+    def kept(self, report: Path) -> str:
+        """The standing picture, else the one drawn now."""
+        return self.standing(report) or self.svg
 
     def drawn(self, form: str, width: int = 640) -> bytes:
         """The static picture as the bytes of a file. Args: form: svg, pdf or png, at twice the resolution of a screen."""

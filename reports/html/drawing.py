@@ -9,6 +9,7 @@ import pickle
 import subprocess
 import sys
 from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import suppress
 from multiprocessing.connection import Connection, Pipe
 from pathlib import Path
 from queue import SimpleQueue
@@ -36,8 +37,10 @@ class Drawing:
         draw."""
         self._report = report
         self._idle: SimpleQueue[_Process] = SimpleQueue()
-        fresh = not report.is_dir()  # else most pictures are there
-        self._all = [_Process(fresh) for _ in range(processes)]
+        self._all = [_Process() for _ in range(processes)]
+        if not report.is_dir():  # else most pictures stand there
+            for process in self._all:
+                process.start()
         for process in self._all:
             self._idle.put(process)
         self._threads = ThreadPoolExecutor(processes, "pictures")
@@ -51,7 +54,12 @@ class Drawing:
             process.end()
 
     def ask(self, picture: Picture) -> Future[str | bytes]:
-        """Its file, once it is drawn; NotDrawn is raised there where it is not."""
+        """Its file, once it is drawn where none stands; NotDrawn is raised there where it is not."""
+        with suppress(Exception):  # which drawing it will meet too
+            if (standing := picture.standing(self._report)) is not None:
+                ready: Future[str | bytes] = Future()
+                ready.set_result(standing)
+                return ready
         return self._threads.submit(self._drawn, picture)
 
     def _drawn(self, picture: Picture) -> str | bytes:
@@ -72,17 +80,16 @@ class Drawing:
 class _Process:
     """A process that draws, as seen from here; it is started when it is first asked, and after it has died."""
 
-    def __init__(self, fresh: bool) -> None:
-        """Args: fresh: is its first picture sure to be drawn?"""
+    def __init__(self) -> None:
         self._connection: Connection | None = None
-        self._start(fresh)
+        self._process: subprocess.Popen[bytes] | None = None
 
-    def _start(self, fresh: bool = True) -> None:
-        """Raises: OSError."""
+    def start(self) -> None:
+        """Begin to load what draws. Raises: OSError."""
         ours, theirs = Pipe()
         with theirs:
             self._process = subprocess.Popen(
-                [sys.executable, "-P", "-m", "plumbline.reports.html.drawing", str(theirs.fileno()), *["fresh"][:fresh]],
+                [sys.executable, "-P", "-m", "plumbline.reports.html.drawing", str(theirs.fileno())],
                 env=os.environ | {"PYTHONPATH": os.pathsep.join(str(Path(folder).absolute()) for folder in sys.path)},
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.DEVNULL,
@@ -95,7 +102,7 @@ class _Process:
     def drawn(self, picture: Picture, report: Path) -> str | bytes:
         """The file of a picture. Raises: EOFError, OSError, where the process dies of it; NotDrawn, with what is wrong."""
         if self._connection is None:
-            self._start()
+            self.start()
         assert self._connection is not None
         self._connection.send_bytes(pickle.dumps((picture, report)))
         if not self._connection.poll(PATIENCE):
@@ -110,6 +117,8 @@ class _Process:
         if self._connection is not None:
             self._connection.close()
             self._connection = None
+        if self._process is None:
+            return "was not started"
         try:
             code = self._process.wait(1.0)
         except subprocess.TimeoutExpired:
@@ -123,11 +132,11 @@ _TEXT, _BYTES, _ERROR = b"t", b"b", b"e"
 """How an answer begins."""
 
 
-def main(descriptor: int, fresh: bool) -> None:
-    """Draw what comes until nobody asks any more. Args: descriptor: of the connection. fresh: as in `_Process`."""
+def main(descriptor: int) -> None:
+    """Draw what comes until nobody asks any more. Args: descriptor: of the connection."""
     connection = Connection(descriptor)
-    if fresh:  # brings the JavaScript engine, while nobody waits for it yet
-        Figure("", "", "", {"data": {"values": [{}]}, "mark": "point"}, (), ()).kept(Path(os.devnull))
+    # Brings the JavaScript engine, while nobody waits for it yet.
+    Figure("", "", "", {"data": {"values": [{}]}, "mark": "point"}, (), ()).kept(Path(os.devnull))
     while True:
         try:
             content = connection.recv_bytes()
@@ -143,4 +152,4 @@ def main(descriptor: int, fresh: bool) -> None:
 
 
 if __name__ == "__main__":
-    main(int(sys.argv[1]), fresh=len(sys.argv) > 2)
+    main(int(sys.argv[1]))

@@ -17,6 +17,7 @@ from plumbline.harness.intake.safe_text import LONGEST, one_line
 from plumbline.harness.intake.user_cache import cache_folder, keep, read_kept
 from plumbline.reports.charts.figure import VEGA_LITE
 from plumbline.reports.html.drawing import Drawing, NotDrawn
+from plumbline.reports.page import Picture
 from plumbline.reports.words.catalogue import case_file
 
 _TITLE = "/* Vega, Vega-Lite, Vega-Embed and what they are made of: see vega-licences.txt beside this file */\n"
@@ -37,7 +38,7 @@ def vega_bundle() -> str:
 
 
 @dataclass(frozen=True, slots=True)
-class _Bundle:
+class _Bundle(Picture):
     """Made as pictures are drawn: in a process of its own."""
 
     def kept(self, _report: Path) -> str:

@@ -24,7 +24,7 @@ from plumbline.reports.charts.errors import error_by_step
 from plumbline.reports.charts.figure import Figure
 from plumbline.reports.charts.work_precision import work_precision
 from plumbline.reports.html.policy import guarded
-from plumbline.reports.page import pages
+from plumbline.reports.page import Picture, pages
 from plumbline.reports.tables.price_list import scenes
 from plumbline.reports.tables.trial_results import answers, in_order
 from plumbline.reports.words.catalogue import cases, engines, tracks
@@ -216,7 +216,7 @@ def print_report(folder: Path, out: Path | None = None) -> Path:
 
 
 @dataclass(frozen=True, slots=True)
-class Printed:
+class Printed(Picture):
     """A chart as a file of its own. Terms: form: svg, pdf or png. width: of the frame [px, or pt in a PDF]."""
 
     figure: Figure

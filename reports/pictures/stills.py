@@ -58,14 +58,18 @@ class Still:
         Image.fromarray(self.pixels()).save(buffer, format="WEBP", quality=QUALITY, alpha_quality=100, method=3)
         return buffer.getvalue()
 
-    def kept(self, report: Path) -> bytes:
-        """The same bytes from an earlier report of the folder, where they are whole."""
+    def standing(self, report: Path) -> bytes | None:
+        """The same bytes in an earlier report of the folder, where they are whole."""
         try:
             content = (report / self.path).read_bytes()
         except OSError:
-            return self.content
+            return None
         whole = content[:4] == b"RIFF" and int.from_bytes(content[4:8], "little") + 8 == len(content)
-        return content if whole else self.content
+        return content if whole else None
+
+    def kept(self, report: Path) -> bytes:
+        """The standing bytes, else those made now."""
+        return self.standing(report) or self.content
 
 
 @dataclass(frozen=True, slots=True)

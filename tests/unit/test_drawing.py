@@ -31,7 +31,7 @@ def chart(name: str, height: int) -> Figure:
 
 
 @dataclass(frozen=True)
-class Fatal:
+class Fatal(Picture):
     """Ends a process other than this one."""
 
     here: int
@@ -43,13 +43,13 @@ class Fatal:
 
 
 @dataclass(frozen=True)
-class Faulty:
+class Faulty(Picture):
     def kept(self, _: Path) -> str:
         raise ValueError("no such colour")
 
 
 @dataclass(frozen=True)
-class Where:
+class Where(Picture):
     def kept(self, _: Path) -> str:
         return str(os.getpid())
 
@@ -94,12 +94,12 @@ def test_what_is_wrong_with_a_picture_is_raised_here(beside: Drawing) -> None:
 
 
 def _let_drawing_die(patch: pytest.MonkeyPatch) -> None:
-    def dying(self: _Process, _fresh: bool = True) -> None:
+    def dying(self: _Process) -> None:
         self._connection, theirs = Pipe()
         with theirs:
             self._process = subprocess.Popen(["/bin/sh", "-c", "kill -TRAP $$"])
 
-    patch.setattr(_Process, "_start", dying)
+    patch.setattr(_Process, "start", dying)
 
 
 def test_a_report_whose_charts_cannot_be_drawn_stands_with_their_reason_in_their_place(
@@ -158,7 +158,8 @@ def test_a_figure_that_cannot_be_drawn_is_named_the_others_are_written_and_the_e
         if not deaths or deaths[0] == picture.figure.name:  # type: ignore[attr-defined]
             deaths.append(picture.figure.name)  # type: ignore[attr-defined]
             if self._connection is None:
-                self._start()
+                self.start()
+            assert self._process is not None
             self._process.kill()
         return usual(self, picture, report)
 

@@ -34,8 +34,8 @@ def reported(built: Built) -> Contacts:
     for contact in built.world.getLastCollisionResult().getContacts():
         # Normal and force belong to the first object, whichever body a detector puts there.
         b, a = (
-            bodies[one] if one in bodies else bodies.setdefault(one, body_of(one))
-            for one in (contact.collisionObject1, contact.collisionObject2)
+            bodies[touching] if touching in bodies else bodies.setdefault(touching, body_of(touching))
+            for touching in (contact.collisionObject1, contact.collisionObject2)
         )
         if built.scene.bodies[a].movable or built.scene.bodies[b].movable:
             rows.append((a, b, contact.point, contact.normal, -contact.penetrationDepth, contact.force))

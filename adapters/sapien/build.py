@@ -31,7 +31,7 @@ def build(sapien: Any, scene: Scene, settings: Settings) -> SapienSimulation:
     trees = trees_of(scene, joints)
     reduced = {branch.edge.name for tree in trees for branch in tree.branches}
     loose = [joint for joint in joints if joint.name not in reduced]
-    used = resolved_settings(settings, scene, bool(loose))
+    used = resolved_settings(settings, scene, bool(loose), trees)
     towed = next((joint for joint in loose if _holds_led(scene, joint)), None)
     if towed is not None and used.solver == "pgs":
         raise Unsupported(
@@ -50,7 +50,7 @@ def build(sapien: Any, scene: Scene, settings: Settings) -> SapienSimulation:
     _Builder(world, scene, bodies, trees).build(loose, used.options["capped"])
     if Effect.CONTACT not in effects:
         world.shape = lambda: bodies.shape_for_rays(scene, world.components)
-    _notice(world, scene, effects, used)
+    _notice(world, scene, effects, used, bool(trees))
     if bodies.slab and any(isinstance(placed.shape, Plane) for body in scene.bodies for placed in body.collision):
         world.notices.append(
             Notice(f"a box of {2 * bodies.slab:.4g} m stands for each plane: meshes that move fall through planes")
@@ -133,7 +133,7 @@ class _Builder:
         return entity
 
 
-def _notice(world: World, scene: Scene, effects: Effect, used: Settings) -> None:
+def _notice(world: World, scene: Scene, effects: Effect, used: Settings, reduced: bool) -> None:
     """Name what is computed although the scene does not call for it, and what is not although it does."""
     movable = [body for body in scene.bodies if body.movable]
     if Effect.CONTINUOUS_COLLISION in effects:
@@ -145,3 +145,6 @@ def _notice(world: World, scene: Scene, effects: Effect, used: Settings) -> None
     if used.options["damping"] == "vendor" and Effect.ANGULAR_DAMPING not in effects and movable:
         text = "angular damping, by the vendor's default on bodies of which the scene says 0"
         world.notices.append(Notice(text, "surplus", Effect.ANGULAR_DAMPING))
+        if Effect.LINEAR_DAMPING not in effects and reduced:
+            text = "linear damping, by the vendor's default on bodies that hinges, slides and welds hold"
+            world.notices.append(Notice(text, "surplus", Effect.LINEAR_DAMPING))

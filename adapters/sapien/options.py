@@ -1,13 +1,14 @@
 """The options: which values they may have, and the vendor's."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from plumbline.adapters.sapien.suited import PARTING, suited
+from plumbline.adapters.sapien.suited import PARTING, TOUCH, iterations_for, suited
 from plumbline.harness.adapter import Settings
 from plumbline.harness.adapter.checked_options import Between, checked_options
-from plumbline.harness.scene import Scene
+from plumbline.harness.adapter.reduced_trees import JointTree
+from plumbline.harness.scene import Effect, Scene
 
 INTEGRATOR = "semi_implicit_euler"
 SOLVERS = ("tgs", "pgs")
@@ -28,9 +29,9 @@ KNOWN: Mapping[str, Sequence[Any] | Between] = {
 }
 """bounce_threshold [m/s]: the approach below which nothing rebounds. contact_offset [m]: the gap at which contacts begin.
 max_depenetration_velocity [m/s]: the most at which bodies inside each other are moved apart. capped: turns at 100 rad/s, rates
-of joints at 100, as the vendor has them. damping: angular, 0.05 a second by default, of bodies of which the scene says none.
-determinism: does a body's motion not depend on what else is in the scene. by_scene: where the solver is left open, and that
-speed under PGS, what suits the scene."""
+of joints at 100, as the vendor has them. damping: 0.05 a second by default, of bodies of which the scene says none, of turns
+and of the speed of links too. determinism: does a body's motion not depend on what else is in the scene. by_scene: where solver
+and iterations are left open, and that speed and gap under PGS, what suits the scene."""
 _VENDOR: Mapping[str, Any] = {
     "velocity_iterations": 1,
     "bounce_threshold": 2.0,
@@ -44,19 +45,23 @@ _VENDOR: Mapping[str, Any] = {
 }
 
 
-def resolved_settings(settings: Settings, scene: Scene, constrained: bool) -> Settings:
+def resolved_settings(settings: Settings, scene: Scene, constrained: bool, trees: Iterable[JointTree] = ()) -> Settings:
     """The settings with the vendor's values where they leave something open. Raises: SettingsError.
 
-    Args: constrained: is a joint not in reduced coordinates?
+    Args: constrained: is a joint not in reduced coordinates? trees: those that are.
     """
     chosen = checked_options("SAPIEN", settings, KNOWN, INTEGRATOR, SOLVERS)
     by_scene = chosen["by_scene"] is True
     solver = settings.solver or (suited(scene, constrained) if by_scene else "tgs")
-    left_open = {**_VENDOR, "max_depenetration_velocity": PARTING} if by_scene and solver == "pgs" else _VENDOR
+    left_open = dict(_VENDOR)
+    if by_scene and solver == "pgs":
+        left_open["max_depenetration_velocity"] = PARTING
+        if Effect.RESTITUTION in scene.effects:
+            left_open["contact_offset"] = TOUCH
     return replace(
         settings,
         substeps=settings.substeps or 1,
-        iterations=settings.iterations or ITERATIONS,
+        iterations=settings.iterations or (iterations_for(scene, trees) if by_scene else ITERATIONS),
         integrator=INTEGRATOR,
         solver=solver,
         options={name: left_open[name] if value is None else value for name, value in chosen.items()},

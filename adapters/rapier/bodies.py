@@ -32,17 +32,17 @@ _UPRIGHT: Quaternion = (math.sqrt(0.5), math.sqrt(0.5), 0.0, 0.0)
 def builder_of(rapier: Any, body: Body, effects: Effect, used: Settings) -> Any:
     """A body without shapes, at its start."""
     build = rapier.RigidBody
-    match body.motion:
-        case "static":
-            return build.fixed().position(pose(rapier, body.p_WB, body.q_WB))
-        case "kinematic":
-            builder = build.kinematic_velocity_based()
-        case _:
-            moments, q_BP = principal_frame(body)
-            mass = rapier.MassProperties((0.0, 0.0, 0.0), body.mass, moments, rapier.Rotation3(*q_BP))
-            # A body whose moments are alike feels no gyroscopic torque, and with one it gains energy by rounding.
-            uneven = Effect.GYROSCOPIC in effects and len(set(moments)) > 1
-            builder = build.dynamic().additional_mass_properties(mass).gyroscopic_forces(uneven)
+    if body.motion == "static":
+        return build.fixed().position(pose(rapier, body.p_WB, body.q_WB))
+    moments, q_BP = principal_frame(body)
+    mass = rapier.MassProperties((0.0, 0.0, 0.0), body.mass, moments, rapier.Rotation3(*q_BP))
+    if body.motion == "kinematic":
+        # Untold, it turns about the middle of its shapes, weightless as they are, and its velocity is of that point.
+        builder = build.kinematic_velocity_based().additional_mass_properties(mass)
+    else:
+        # A body whose moments are alike feels no gyroscopic torque, and with one it gains energy by rounding.
+        uneven = Effect.GYROSCOPIC in effects and len(set(moments)) > 1
+        builder = build.dynamic().additional_mass_properties(mass).gyroscopic_forces(uneven)
     v, w = body.velocity_at_start
     builder = builder.position(pose(rapier, body.p_WB, body.q_WB)).linvel(v).angvel(w).can_sleep(used.options["sleeping"])
     if Effect.LINEAR_DAMPING in effects:

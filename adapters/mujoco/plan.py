@@ -8,9 +8,9 @@ import numpy as np
 from plumbline.adapters.mujoco.frames import principal
 from plumbline.adapters.mujoco.heavy_loads import impedance_for
 from plumbline.adapters.mujoco.options import Options, checked
-from plumbline.adapters.mujoco.rolling import CORRECTIONS, balls_alone
 from plumbline.adapters.mujoco.trees import Link, forest, in_one_body
 from plumbline.harness.adapter import Settings
+from plumbline.harness.adapter.rolling import CORRECTIONS, balls_alone
 from plumbline.harness.adapter.rotations import matrix
 from plumbline.harness.scene import Body, Effect, Joint, Quaternion, Scene, Vector3, multiply
 from plumbline.harness.trajectory import Floats

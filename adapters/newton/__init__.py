@@ -150,12 +150,14 @@ ADAPTER = NewtonAdapter(
                 "by_scene": True,
                 "cone": "elliptic",
                 "impratio": 10.0,
+                "rolling_impratio": 1e-6,
                 "contact_steps": 20.0,
                 "contact_damping_ratio": 1.2,
                 "contact_impedance": 0.999,
                 "limit_steps": 2.0,
             },
-            source="elliptic cones, impratio above 1: MuJoCo documentation, Modeling, preventing slip; contacts of 20 steps "
+            source="elliptic cones, impratio above 1, the slip correction where balls alone touch what holds them: MuJoCo "
+            "documentation, Modeling, preventing slip; contacts of 20 steps "
             "(at four a sliding box hops by 19 mm: measured here), of ratio 1.2 and impedance .999, limits and dry friction of "
             "two steps, ratio 1.7, and Euler, under which what implicitfast shakes comes to rest: measured on MuJoCo "
             "(`adapters.mujoco`); RK4 where nothing touches or is joined: what spins fast diverges under Euler",
@@ -185,6 +187,7 @@ ADAPTER = NewtonAdapter(
         "options.contacts": ("mujoco", "newton"),
         "options.cone": ("pyramidal", "elliptic"),
         "options.impratio": (1.0, 10.0, 100.0),
+        "options.noslip_iterations": (0, 5, 20),
         "options.contact_steps": (40.0, 20.0, 4.0, 2.0),
         "options.contact_damping_ratio": (0.5, 1.0, 1.2, 2.0),
         "options.contact_impedance": (0.9, 0.99, 0.999),
@@ -201,7 +204,7 @@ ADAPTER = NewtonAdapter(
             ),
             Effect.CONTACT,
         ),
-        "options.impratio": Effect.FRICTION,
+        **dict.fromkeys(("options.impratio", "options.noslip_iterations"), Effect.FRICTION),
         "options.limit_steps": Effect.JOINTS,
         **dict.fromkeys(("options.contact_relaxation", "options.contact_weighting"), Effect.RESTITUTION),
     },

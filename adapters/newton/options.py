@@ -17,7 +17,9 @@ KNOWN: Mapping[str, Sequence[Any] | Between] = {
     "contacts": ("mujoco", "newton"),
     "multiccd": (True, False),
     "cone": ("pyramidal", "elliptic"),
-    "impratio": Between(1.0, 1e4),
+    "impratio": Between(1e-6, 1e4),
+    "rolling_impratio": Between(1e-6, 1e4),
+    "noslip_iterations": (0, 1, 2, 5, 10, 20),
     "contact_steps": Between(0.5, 1e4),
     "contact_damping_ratio": Between(0.1, 10.0),
     "contact_impedance": Between(0.001, 0.9999),
@@ -27,7 +29,8 @@ KNOWN: Mapping[str, Sequence[Any] | Between] = {
     "restitution_iterations": (1, 2, 4, 8, 16),
 }
 """by_scene: where the integrator is left open, RK4 of what nothing touches or joins, and Euler elsewhere. contacts: who finds
-those that MuJoCo-Warp solves. multiccd: does it look for up to four of its own in each pair. cone, impratio: of its friction.
+those that MuJoCo-Warp solves. multiccd: does it look for up to four of its own in each pair. cone, impratio: of its friction;
+rolling_impratio: the second, with the slip correction, where balls alone touch what holds them. noslip_iterations: of that.
 contact_steps: the time constant of its contacts in steps, at most the vendor's; contact_damping_ratio, contact_impedance: of
 them. limit_steps: of its joint limits. contact_relaxation, contact_weighting: the share of each contact's correction that
 XPBD takes, and whether it is divided by the contacts of a body. restitution_iterations: of XPBD."""
@@ -38,6 +41,8 @@ _VENDOR: Mapping[str, Mapping[str, Any]] = {
         "multiccd": False,
         "cone": "pyramidal",
         "impratio": 1.0,
+        "rolling_impratio": None,
+        "noslip_iterations": 0,
         "contact_steps": None,
         "contact_damping_ratio": 1.0,
         "contact_impedance": None,

@@ -1,4 +1,4 @@
-"""Balls alone: where none touches another one, friction is rigid if the slip correction has it for itself."""
+"""Balls alone: where none touches another one, friction is rigid if MuJoCo's slip correction has it for itself."""
 
 import itertools
 

@@ -160,7 +160,8 @@ ADAPTER = NewtonAdapter(
             "documentation, Modeling, preventing slip; contacts of 20 steps "
             "(at four a sliding box hops by 19 mm: measured here), of ratio 1.2 and impedance .999, limits and dry friction of "
             "two steps, ratio 1.7, and Euler, under which what implicitfast shakes comes to rest: measured on MuJoCo "
-            "(`adapters.mujoco`); RK4 where nothing touches or is joined: what spins fast diverges under Euler",
+            "(`adapters.mujoco`); RK4 where nothing touches and joints have no stops, drives, dry friction or stiff springs "
+            "(MuJoCo documentation, Computation, numerical integration): what spins fast diverges under Euler",
         ),
     },
     known_failures={

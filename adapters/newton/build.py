@@ -1,5 +1,6 @@
 """A scene becomes a model of Newton and a solver: everything in its order."""
 
+import math
 from dataclasses import replace
 from typing import Any
 
@@ -15,7 +16,7 @@ from plumbline.harness.adapter import Notice, Settings
 from plumbline.harness.adapter.carried_laws import refuse_tendons
 from plumbline.harness.adapter.distance_springs import DistanceSprings, is_distance_spring
 from plumbline.harness.adapter.rolling import CORRECTIONS, balls_alone
-from plumbline.harness.scene import Effect, Scene
+from plumbline.harness.scene import WORLD, Effect, Joint, Prismatic, Revolute, Scene
 
 VENDOR_TIME_CONSTANT = 0.02
 """Of MuJoCo's contacts [s]."""
@@ -29,7 +30,7 @@ _SOFT = (2.5e3, 100.0)
 
 def build(vendor: Vendor, scene: Scene, settings: Settings) -> NewtonSimulation:
     """Exactly this scene under these settings. Raises: Unsupported, SettingsError."""
-    effects, used = scene.effects, _resolved(scene, settings)
+    effects, used = scene.effects, resolved(scene, settings)
     builder, bodies, joints = _told(vendor, scene, used)
     model = builder.finalize(device="cpu")
     moving = _solver(vendor, model, used, effects, _room(scene)) if model.body_count else None
@@ -49,7 +50,7 @@ def together(scene: Scene) -> bool:
 
 def build_worlds(vendor: Vendor, scene: Scene, settings: Settings, count: int) -> NewtonWorlds:
     """`count` worlds of this scene in one model. Raises: Unsupported, SettingsError."""
-    effects, used = scene.effects, _resolved(scene, settings)
+    effects, used = scene.effects, resolved(scene, settings)
     one, bodies, joints = _told(vendor, scene, used)
     builder = _builder(vendor, scene)
     builder.replicate(one, count)
@@ -59,14 +60,27 @@ def build_worlds(vendor: Vendor, scene: Scene, settings: Settings, count: int) -
     return NewtonWorlds(scene, used, stepper, Layout(count, bodies.links, joints.driven), tuple(_notices(scene, effects)))
 
 
-def _resolved(scene: Scene, settings: Settings) -> Settings:
-    used = resolved_settings(settings, "xpbd" if rebounds(scene) else "mujoco", scene.effects)
+def resolved(scene: Scene, settings: Settings) -> Settings:
+    smooth = all(is_smooth(scene, joint, settings.substep) for joint in scene.joints)
+    used = resolved_settings(settings, "xpbd" if rebounds(scene) else "mujoco", scene.effects, smooth)
     alone = used.options.get("rolling_impratio")
     led = any(body.motion == "kinematic" for body in scene.bodies)  # on which the slip correction errs by a third more
     if alone is None or led or not balls_alone(scene):
         return used
     corrections = used.options["noslip_iterations"] or CORRECTIONS
     return replace(used, options={**used.options, "impratio": alone, "noslip_iterations": corrections})
+
+
+def is_smooth(scene: Scene, joint: Joint, h: float) -> bool:
+    """Do a joint's laws leave its motion as smooth as RK4 needs it: no stop, dry friction or drive, no spring beyond h [s]?"""
+    if not isinstance(joint, Revolute | Prismatic):
+        return True
+    if joint.limits is not None or joint.friction_loss or joint.drive is not None:
+        return False
+    spring, lightest = joint.spring, min(scene.body(name).mass for name in (joint.parent, joint.child) if name != WORLD)
+    if spring is None or isinstance(joint, Revolute):
+        return spring is None
+    return max(h * spring.damping, h * math.sqrt(spring.stiffness * lightest)) < lightest
 
 
 def _builder(vendor: Vendor, scene: Scene) -> Any:

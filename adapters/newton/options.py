@@ -28,7 +28,7 @@ KNOWN: Mapping[str, Sequence[Any] | Between] = {
     "contact_weighting": (True, False),
     "restitution_iterations": (1, 2, 4, 8, 16),
 }
-"""by_scene: where the integrator is left open, RK4 of what nothing touches or joins, and Euler elsewhere. contacts: who finds
+"""by_scene: where the integrator is left open, RK4 of what moves smoothly, and Euler elsewhere. contacts: who finds
 those that MuJoCo-Warp solves. multiccd: does it look for up to four of its own in each pair. cone, impratio: of its friction;
 rolling_impratio: the second, with the slip correction, where balls alone touch what holds them. noslip_iterations: of that.
 contact_steps: the time constant of its contacts in steps, at most the vendor's; contact_damping_ratio, contact_impedance: of
@@ -52,16 +52,18 @@ _VENDOR: Mapping[str, Mapping[str, Any]] = {
 }
 
 
-def resolved_settings(settings: Settings, fits: str, effects: Effect) -> Settings:
+def resolved_settings(settings: Settings, fits: str, effects: Effect, smooth: bool = False) -> Settings:
     """The settings with the vendor's values where they leave something open. Raises: SettingsError.
 
-    Options of the other solver than that which is used are left out. Args: fits: the solver where none is told.
+    Options of the other solver than that which is used are left out.
+
+    Args: fits: the solver where none is told. smooth: do joints move freely between no stops?
     """
     solver = settings.solver or fits
     integrators = INTEGRATORS.get(solver, ("",))
     integrator = settings.integrator or integrators[0]
     if settings.options.get("by_scene") and settings.integrator is None and solver == "mujoco":
-        integrator = "euler" if (Effect.CONTACT | Effect.JOINTS) & effects else "rk4"
+        integrator = "rk4" if Effect.CONTACT not in effects and (smooth or Effect.JOINTS not in effects) else "euler"
     if integrator not in integrators and solver in SOLVERS:
         # An integrator of the other solver that was told without one says nothing here.
         is_chosen = settings.solver is not None or all(integrator not in names for names in INTEGRATORS.values())

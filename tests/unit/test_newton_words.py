@@ -1,12 +1,18 @@
 """What Newton's adapter works out before Newton is asked: numbers of shapes, what a drive aims at, whose options hold."""
 
+from dataclasses import replace
+
 import pytest
 
+from plumbline.adapters.newton import ADAPTER
+from plumbline.adapters.newton.build import is_smooth, resolved
 from plumbline.adapters.newton.joints import Aim, aim_of
 from plumbline.adapters.newton.options import resolved_settings
 from plumbline.adapters.newton.surfaces import numbers_of, rebounds
 from plumbline.harness.adapter import Settings, SettingsError, Unsupported
+from plumbline.harness.adapter.rolling import CORRECTIONS
 from plumbline.harness.scene import Body, Drive, Effect, PlacedShape, Scene, Sphere, Surface, sphere_inertia
+from plumbline.harness.study import plugins
 
 
 def balls(laws: dict[tuple[str, str], tuple[float, float]], ground: str, *moving: str) -> Scene:
@@ -82,3 +88,28 @@ def test_options_of_the_solver_that_is_not_used_are_left_out_and_its_integrator_
         resolved_settings(Settings(solver="xpbd", integrator="rk4"), "mujoco", Effect.CONTACT)
     with pytest.raises(SettingsError, match=r"option 'cones'"):
         resolved_settings(Settings(options={"cones": 1}), "mujoco", Effect.CONTACT)
+
+
+@pytest.mark.parametrize(
+    ("case", "integrator", "corrections"),
+    [
+        ("flight_box", "rk4", 0),
+        ("joint_chain", "rk4", 0),
+        ("joint_spring", "rk4", 0),
+        ("joint_limits", "euler", 0),
+        ("rest_penetration", "euler", 0),
+        ("friction_slip_to_roll", "euler", CORRECTIONS),  # a ball alone
+        ("friction_turntable", "euler", 0),  # which is led
+    ],
+)
+def test_a_scene_is_given_the_integrator_and_the_slip_correction_that_suit_it(
+    case: str, integrator: str, corrections: int
+) -> None:
+    scene = plugins.case(case).scene(plugins.case(case).at())
+    used = resolved(scene, replace(ADAPTER.tracks["tuned"], dt=1 / 240))
+    assert (used.integrator, used.options["noslip_iterations"]) == (integrator, corrections)
+
+
+def test_a_spring_whose_time_a_step_does_not_resolve_is_left_to_euler() -> None:
+    scene = plugins.case("joint_spring").scene(plugins.case("joint_spring").at())
+    assert [is_smooth(scene, scene.joints[0], h) for h in (1 / 240, 1.0)] == [True, False]

@@ -40,8 +40,8 @@ def manifold_points(floats: Floats, ints: Ints, count: int, margin: float, dt: f
     rows = np.array([4 * m + k for m in range(count + resting) for k in range(key[m, at.POINTS])], np.int64)
     key, manifold, point = key[rows // 4], manifold[rows // 4], point[rows]
     bodies, total = key[:, [at.BODY_A, at.BODY_B]], point[:, at.SUM : at.SUM + 3]
-    place, normal = point[:, at.PLACE : at.PLACE + 3], manifold[:, at.NORMAL : at.NORMAL + 3]
-    return _told(Contacts(bodies, place, normal, point[:, at.FIRST_GAP], total / dt), margin)
+    spot, normal = point[:, at.PLACE : at.PLACE + 3], manifold[:, at.NORMAL : at.NORMAL + 3]
+    return _told(Contacts(bodies, spot, normal, point[:, at.FIRST_GAP], total / dt), margin)
 
 
 def sphere_points(floats: Floats, ints: Ints, count: int, margin: float, dt: float) -> Contacts:
@@ -51,14 +51,14 @@ def sphere_points(floats: Floats, ints: Ints, count: int, margin: float, dt: flo
     # The impulses of the last sub-step still stand, and are not in the sum yet.
     last = touch[:, [at.T_NORMAL]] * touch[:, :3] + touch[:, at.T_TANGENT : at.T_TANGENT + 3]
     bodies, total = key[:, [at.K_BODY_A, at.K_BODY_B]], touch[:, at.T_SUM : at.T_SUM + 3] + last
-    place, normal = rest[:, at.R_PLACE : at.R_PLACE + 3], rest[:, at.R_NORMAL : at.R_NORMAL + 3]
-    return _told(Contacts(bodies, place, normal, rest[:, at.R_FIRST_GAP], total / dt), margin)
+    spot, normal = rest[:, at.R_PLACE : at.R_PLACE + 3], rest[:, at.R_NORMAL : at.R_NORMAL + 3]
+    return _told(Contacts(bodies, spot, normal, rest[:, at.R_FIRST_GAP], total / dt), margin)
 
 
-def _told(found: Contacts, margin: float) -> Contacts:
+def _told(points: Contacts, margin: float) -> Contacts:
     """Those of the points that are within the margin [m] or gave an impulse."""
-    hit = (found.gap <= margin) | (np.abs(found.force).max(axis=1, initial=0.0) > 0.0)
-    return Contacts(*(getattr(found, f.name)[hit] for f in fields(Contacts)))
+    hit = (points.gap <= margin) | (np.abs(points.force).max(axis=1, initial=0.0) > 0.0)
+    return Contacts(*(getattr(points, f.name)[hit] for f in fields(Contacts)))
 
 
 def joined(*parts: Contacts) -> Contacts:

@@ -11,7 +11,7 @@ from plumbline.engine.describe.check import finite
 from plumbline.engine.describe.errors import Diverged, NotSupported
 from plumbline.engine.maths.types import Floats, Ints
 from plumbline.engine.memory import arena as at
-from plumbline.engine.memory.status import CONVEX_PENDING, DIVERGED, FULL, OPEN_JOINT, UNSOLVED
+from plumbline.engine.memory.status import CONVEX_PENDING, FULL
 from plumbline.engine.options import GAUSS_SEIDEL
 from plumbline.engine.steps.choice import Kernels, load_collide
 from plumbline.engine.steps.many_worlds import COLLIDE, SEARCH, STEP, address_of, advance_worlds, advance_worlds_parallel
@@ -84,15 +84,11 @@ class Batch:
                     self._collide[kernels.moving_meshes] = address_of(load_collide(kernels.moving_meshes), COLLIDE)
                 self._grow([int(k) for k in which[states == FULL]])
                 which = which[(states == FULL) | (states == CONVEX_PENDING)]
-        lost = np.flatnonzero(np.isin(self._status, (DIVERGED, UNSOLVED)) | (self._status >= OPEN_JOINT))
-        if len(lost) > 0:
-            world = self._worlds[lost[0]]
-            name = world.options.integrator
-            status = int(self._status[lost[0]])
-            why = "the state is not finite" if status == DIVERGED else f"integrator '{name}' found no solution"
-            if status >= OPEN_JOINT:
-                why = world.open_joint(status)
-            raise Diverged(world.steps, why, int(lost[0]))
+        for k in np.flatnonzero(self._status).tolist():
+            world = self._worlds[k]
+            why = world.why_lost(int(self._status[k]))
+            if why:
+                raise Diverged(world.steps, why, k)
 
     def state(self) -> Floats:
         """A copy of the states (k, n, 13), each as `World.state`."""

@@ -13,11 +13,10 @@ from numpy.typing import NDArray
 from plumbline.engine.articulated.assembly import grow_world, has_same_trees, motion_of, with_trees
 from plumbline.engine.articulated.forest import chosen_forest
 from plumbline.engine.broad.choice import choose_broad_phase, load_search, load_volume, search_pairs
-from plumbline.engine.build.appearance import looks_of, may_touch
-from plumbline.engine.build.assembly import assemble_world, islands_know, moves_meshes, spheres_only, wants_islands
+from plumbline.engine.build.assembly import assemble_world, islands_know, may_touch, moves_meshes, spheres_only, wants_islands
 from plumbline.engine.build.initial_rates import check_initial_rates, check_slenderness
 from plumbline.engine.build.joint_order import elimination_order
-from plumbline.engine.contact.points import Contacts, manifold_points, sphere_points
+from plumbline.engine.contact.points import Contacts, fit_impulses, manifold_points, sphere_points
 from plumbline.engine.describe.bodies import Body, Surface
 from plumbline.engine.describe.check import finite, number, whole
 from plumbline.engine.describe.errors import Diverged, NotSupported
@@ -30,7 +29,6 @@ from plumbline.engine.options import COLOURED, GAUSS_SEIDEL, Options
 from plumbline.engine.rays.cast import as_rays, cast_on_shapes
 from plumbline.engine.rays.hits import Hits
 from plumbline.engine.steps.choice import Kernels, choose_step, joint_coordinates_step, load_collide, load_sorting, unsmooth_of
-from plumbline.engine.steps.lengths import fit_impulses
 
 if TYPE_CHECKING:
     from plumbline.engine.images.eye import Eye, Picture
@@ -189,23 +187,24 @@ class World:
 
     def _resume(self, status: int) -> None:
         """Do what has to be done before a world that stopped with a status goes on. Raises: Diverged."""
-        if status == DIVERGED:
-            raise Diverged(self.steps)
-        if status == UNSOLVED:
-            raise Diverged(self.steps, f"integrator '{self.options.integrator}' found no solution for so long a step")
-        if status >= OPEN_JOINT:
-            raise Diverged(self.steps, self.open_joint(status))
+        why = self.why_lost(status)
+        if why:
+            raise Diverged(self.steps, why)
         if status == CONVEX_PENDING:
             load_collide(self.moving_meshes)(self._floats, self._ints)
         if status == FULL or (status == SEARCH_PENDING and self._search() == FULL):
             self._floats, self._ints = grow_world(self._floats, self._ints, self.in_joint_coordinates)
 
-    def open_joint(self, status: int) -> str:
-        """What is to be said of the joint that a step with this status found open."""
-        name = self._joint_names[status - OPEN_JOINT]
-        return (
-            f"joint '{name}' stays open by {at.float_table(self._floats, self._ints, at.SETTING)[0, at.OPEN_GAP]:.3g} m or rad"
-        )
+    def why_lost(self, status: int) -> str:
+        """Why a world that stopped with a status goes on no more; empty where it does."""
+        if status == DIVERGED:
+            return "the state is not finite"
+        if status == UNSOLVED:
+            return f"integrator '{self.options.integrator}' found no solution for so long a step"
+        if status < OPEN_JOINT:
+            return ""
+        gap = at.float_table(self._floats, self._ints, at.SETTING)[0, at.OPEN_GAP]
+        return f"joint '{self._joint_names[status - OPEN_JOINT]}' stays open by {gap:.3g} m or rad"
 
     def compile(self) -> None:
         """Compile, or load from the cache, every stage that a step may run, by taking one: for a world to be thrown away."""
@@ -366,15 +365,14 @@ class World:
         """
         from plumbline.engine.images.paths import traced_paths
 
-        d, o = (np.require(rays, float, ("C", "W")) for rays in (directions, origins))
-        o = np.atleast_2d(o)
+        o, d = as_rays(origins, directions)
         return traced_paths(self._as_drawn().cast, self._bodies, o, d, whole("rays", "bounces", bounces, 0))
 
     def _as_drawn(self) -> "World":
         """A world of the bodies with their visual shapes, where they are now."""
         if self._drawn is None:
             self._drawn = World(
-                [replace(body, shapes=looks_of(body), visual=None, motion="kinematic") for body in self._bodies],
+                [replace(body, shapes=body.looks, visual=None, motion="kinematic") for body in self._bodies],
                 options=Options(contacts=False),
             )
         self._drawn.state()[:] = self.state()

@@ -7,11 +7,10 @@ import numpy as np
 
 from plumbline.engine.build.initial_rates import coordinate_rate
 from plumbline.engine.build.joint_order import ROWS, mechanisms, neighbours
-from plumbline.engine.build.polyhedra import Polyhedron, closed_volume
+from plumbline.engine.build.polyhedra import Polyhedron, check_closed
 from plumbline.engine.build.solids import Solid, body_solids, principal_frame, quat_mat, quat_mul
 from plumbline.engine.describe.bodies import Body, Surface
 from plumbline.engine.describe.check import finite, spd_inertia, unit_quaternion
-from plumbline.engine.describe.errors import NotSupported
 from plumbline.engine.describe.joints import WORLD, Ball, Distance, Drive, Fixed, Joint, Limits, Prismatic, Revolute, Spring
 from plumbline.engine.describe.shapes import Box, Plane, Sphere, TriangleMesh
 from plumbline.engine.maths.arrays import inverse, mat_mat, mat_vec, norm, unit
@@ -82,8 +81,9 @@ def assemble_world(
     _check_names("body", [WORLD, *(body.name for body in bodies)])
     index = {name: i for i, name in enumerate((*(body.name for body in bodies), WORLD))}
     for body in bodies:
-        if moves_meshes(body):
-            _check_closed(body)
+        for placed in body.shapes if body.motion == "dynamic" else ():
+            if isinstance(placed.shape, TriangleMesh):
+                check_closed(placed.shape, f"triangle mesh of body '{body.name}', which forces move")
     solids = [(i, solid) for i, body in enumerate(bodies) for solid in body_solids(body)]
     materials = sorted({body.material for body in bodies} | {one for pair in (*surfaces, *apart) for one in pair})
     ends = [(index.get(joint.parent), index.get(joint.child)) for joint in joints if not joint.collide]
@@ -132,19 +132,15 @@ def assemble_world(
     return floats, ints
 
 
+def may_touch(bodies: Sequence[Body]) -> bool:
+    """Whether two bodies have shapes and one of them is dynamic."""
+    solid = [body for body in bodies if body.shapes]
+    return len(solid) > 1 and any(body.motion == "dynamic" for body in solid)
+
+
 def moves_meshes(body: Body) -> bool:
     """Whether forces move a body that has triangle meshes."""
     return body.motion == "dynamic" and any(isinstance(placed.shape, TriangleMesh) for placed in body.shapes)
-
-
-def _check_closed(body: Body) -> None:
-    """Raises: NotSupported for a mesh without an inside, of a body that forces move."""
-    for placed in body.shapes:
-        if isinstance(placed.shape, TriangleMesh):
-            try:
-                closed_volume(np.asarray(placed.shape.vertices, float), np.asarray(placed.shape.faces))
-            except ValueError as error:
-                raise NotSupported(f"triangle mesh of body '{body.name}', which forces move", str(error)) from error
 
 
 def _check_names(what: str, names: Sequence[str]) -> None:

@@ -13,7 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from plumbline.engine.build.polyhedra import closed_volume
+from plumbline.engine.build.polyhedra import check_closed
 from plumbline.engine.build.solids import mat_quat, quat_mat, quat_mul
 from plumbline.engine.describe.bodies import Body
 from plumbline.engine.describe.errors import NotSupported
@@ -47,7 +47,7 @@ def at_level(bodies: Sequence[Body], level: str) -> list[Body]:
     Raises: NotSupported for a mesh that is open or inside out, and where CoACD is not installed.
     """
     return [
-        replace(body, shapes=tuple(_simpler(body, level)), visual=body.shapes if body.visual is None else body.visual)
+        replace(body, shapes=tuple(_simpler(body, level)), visual=body.looks)
         if any(isinstance(part.shape, TriangleMesh) for part in body.shapes)
         else body
         for body in bodies
@@ -60,12 +60,8 @@ def _simpler(body: Body, level: str) -> Iterator[Placed]:
         if not isinstance(placed.shape, TriangleMesh) or level == "mesh":
             yield placed
             continue
-        try:
-            closed_volume(np.asarray(placed.shape.vertices, float), np.asarray(placed.shape.faces))
-        except ValueError as error:
-            raise NotSupported(f"level of detail '{level}' of body '{body.name}'", str(error)) from error
-        p_BS, q_BS = np.asarray(placed.p_BS, float), np.asarray(placed.q_BS, float)
-        q_BS = unit(q_BS)
+        check_closed(placed.shape, f"level of detail '{level}' of body '{body.name}'")
+        p_BS, q_BS = np.asarray(placed.p_BS, float), unit(np.asarray(placed.q_BS, float))
         for part in simplified(placed.shape, level)[0]:
             yield Placed(
                 part.shape,

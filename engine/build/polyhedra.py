@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from plumbline.engine.describe.errors import NotSupported
+from plumbline.engine.describe.shapes import TriangleMesh
 from plumbline.engine.maths.arrays import cross, dot, norm, unit
 from plumbline.engine.maths.types import Floats, Ints
 
@@ -25,6 +27,14 @@ def closed_volume(vertices: Floats, faces: NDArray[Any]) -> float:
     if volume <= 0:
         raise ValueError(f"triangle mesh: volume {volume:g} m3, expected faces counter-clockwise seen from outside")
     return volume
+
+
+def check_closed(mesh: TriangleMesh, what: str) -> None:
+    """Raises: NotSupported for what a mesh without an inside is wanted for."""
+    try:
+        closed_volume(np.asarray(mesh.vertices, float), np.asarray(mesh.faces))
+    except ValueError as error:
+        raise NotSupported(what, str(error)) from error
 
 
 FLAT = 1e-9

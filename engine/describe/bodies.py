@@ -70,6 +70,11 @@ class Body(Described):
             raise ValueError(f"{label}: static, but v_WB {tuple(self.v_WB)} m/s or w_WB {tuple(self.w_WB)} rad/s is not zero")
 
     @property
+    def looks(self) -> Sequence[Placed]:
+        """What it is drawn with."""
+        return self.shapes if self.visual is None else self.visual
+
+    @property
     def massless(self) -> bool:
         """Has it neither mass nor inertia, so that it stands between two joints alone?"""
         return self.motion == "dynamic" and self.mass == 0 and not np.any(np.asarray(self.inertia, float))

@@ -37,7 +37,6 @@ def rasterised(floats: Floats, ints: Ints, bodies: Sequence[Body], sun: Sun, eye
 
 def ray_traced(cast: Cast, bodies: Sequence[Body], sun: Sun, eye: Eye, colour: bool = True) -> Picture:
     """A picture by rays. Raises: ValueError for a lens that shows nothing at some pixel."""
-    from plumbline.engine.images.patterns import even_points
     from plumbline.engine.images.waves import Light, first_wave, follow
 
     depth, body = np.empty((eye.height, eye.width)), np.empty((eye.height, eye.width), np.int64)
@@ -60,6 +59,20 @@ def ray_traced(cast: Cast, bodies: Sequence[Body], sun: Sun, eye: Eye, colour: b
                 pass
         painted[part] = (radiance / eye.samples).reshape(-1, eye.width, 3)
     return Picture(depth, body, painted)
+
+
+def even_points(count: int) -> Floats:
+    """Points (count, 2) that fill the unit square evenly about its middle, the same in every run; one is the middle itself.
+
+    Source: Hammersley, Monte Carlo Methods for Solving Multivariable Problems, 1960.
+    """
+    k = np.arange(count)
+    mirrored, bits = np.zeros(count), max(1, int(count - 1).bit_length())
+    for b in range(bits):
+        mirrored += (k >> b & 1) / (1 << (b + 1))
+    points = np.column_stack([(k + 0.5) / count, mirrored])
+    points[:, 1] += 0.5 - points[:, 1].mean()
+    return np.asarray(points % 1.0)
 
 
 def _aimed(cast: Cast, eye: Eye, first: int, rows: int, x: float, y: float) -> tuple[Floats, Floats, Hits, Floats]:

@@ -2,32 +2,40 @@
 
 from collections.abc import Sequence
 from dataclasses import astuple, dataclass
+from typing import Annotated
 
 import numpy as np
 
-from plumbline.engine.describe.check import finite, not_negative, number, positive, unit_quaternion, whole
+from plumbline.engine.describe.check import Described, finite, not_negative, number, positive, unit_quaternion, whole
 from plumbline.engine.maths.types import Floats, Ints
 
 WIDEST = 16384
 
 
+def _pixels(element: str, field: str, value: int) -> None:
+    """Raises: ValueError unless it is a whole number from 1 to the widest."""
+    if whole(element, field, value, 1) > WIDEST:
+        raise ValueError(f"{element}: {field} {value} pixels, expected at most {WIDEST}")
+
+
+def _centre(element: str, field: str, value: float) -> None:
+    """Raises: ValueError unless it is a finite number."""
+    not_negative(element, f"|{field}|", abs(number(element, field, value)), "pixels")
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Lens:
+class Lens(Described):
     """Radial (k1, k2, k3) and tangential (p1, p2) distortion [1] of normalised image coordinates.
 
     x' = x (1 + k1 r^2 + k2 r^4 + k3 r^6) + 2 p1 x y + p2 (r^2 + 2 x^2), and y' alike with p1 and p2 exchanged.
     Source: Brown, Decentering Distortion of Lenses, Photogrammetric Engineering 32, 1966.
     """
 
-    k1: float = 0.0
-    k2: float = 0.0
-    k3: float = 0.0
-    p1: float = 0.0
-    p2: float = 0.0
-
-    def __post_init__(self) -> None:
-        for name in ("k1", "k2", "k3", "p1", "p2"):
-            finite("lens", name, getattr(self, name), (), "1")
+    k1: Annotated[float, finite, (), "1"] = 0.0
+    k2: Annotated[float, finite, (), "1"] = 0.0
+    k3: Annotated[float, finite, (), "1"] = 0.0
+    p1: Annotated[float, finite, (), "1"] = 0.0
+    p2: Annotated[float, finite, (), "1"] = 0.0
 
     @property
     def fold(self) -> float:
@@ -38,7 +46,7 @@ class Lens:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Eye:
+class Eye(Described):
     """A pinhole, or a pinhole behind a lens, that looks along z of its frame E with x right and y down.
 
     Terms:
@@ -49,36 +57,24 @@ class Eye:
         sky, 0 if all of it is taken to be in view.
     """
 
-    p_WE: Sequence[float] = (0.0, 0.0, 0.0)
-    q_WE: Sequence[float] = (1.0, 0.0, 0.0, 0.0)
-    width: int = 640
-    height: int = 480
-    focal_x: float = 500.0
-    focal_y: float = 500.0
-    centre_x: float = 320.0
-    centre_y: float = 240.0
-    near: float = 1e-3
+    p_WE: Annotated[Sequence[float], finite, (3,), "m"] = (0.0, 0.0, 0.0)
+    q_WE: Annotated[Sequence[float], unit_quaternion] = (1.0, 0.0, 0.0, 0.0)
+    width: Annotated[int, _pixels] = 640
+    height: Annotated[int, _pixels] = 480
+    focal_x: Annotated[float, positive, "pixels"] = 500.0
+    focal_y: Annotated[float, positive, "pixels"] = 500.0
+    centre_x: Annotated[float, _centre] = 320.0
+    centre_y: Annotated[float, _centre] = 240.0
+    near: Annotated[float, positive, "m"] = 1e-3
     lens: Lens | None = None
-    samples: int = 1
-    bounces: int = 12
-    sky_rays: int = 0
+    samples: Annotated[int, whole, 1] = 1
+    bounces: Annotated[int, whole, 0] = 12
+    sky_rays: Annotated[int, whole, 0] = 0
 
     def __post_init__(self) -> None:
-        finite("eye", "p_WE", self.p_WE, (3,), "m")
-        unit_quaternion("eye", "q_WE", self.q_WE)
-        for name in ("width", "height"):
-            if whole("eye", name, getattr(self, name), 1) > WIDEST:
-                raise ValueError(f"eye: {name} {getattr(self, name)} pixels, expected at most {WIDEST}")
-        for name in ("focal_x", "focal_y"):
-            positive("eye", name, getattr(self, name), "pixels")
-        for name in ("centre_x", "centre_y"):
-            not_negative("eye", f"|{name}|", abs(number("eye", name, getattr(self, name))), "pixels")
-        positive("eye", "near", self.near, "m")
+        self.check_fields()
         if self.lens is not None and not isinstance(self.lens, Lens):
             raise ValueError(f"eye: lens {self.lens!r}, expected a Lens or None")
-        whole("eye", "samples", self.samples, 1)
-        whole("eye", "bounces", self.bounces, 0)
-        whole("eye", "sky_rays", self.sky_rays, 0)
 
     @property
     def axes(self) -> Floats:

@@ -29,12 +29,8 @@ def tangents(x: float, z: float, radius: float) -> tuple[float, float]:
 
 
 @kernel
-def ball_window(c: Vec, radius: float, near: float) -> Window:
-    """What the ball may cover: all if it reaches over the near plane, nothing behind it."""
-    if c[2] + radius < near:
-        return NOTHING
-    if c[2] - radius < near:
-        return EVERYTHING
+def ball_window(c: Vec, radius: float) -> Window:
+    """What a ball before the near plane may cover."""
     left, right = tangents(c[0], c[2], radius)
     top, bottom = tangents(c[1], c[2], radius)
     return left, right, top, bottom
@@ -42,12 +38,12 @@ def ball_window(c: Vec, radius: float, near: float) -> Window:
 
 @kernel
 def tube_window(a: Vec, b: Vec, radius: float, near: float) -> Window:
-    """What may be covered by all that lies between two balls; where one of them is cut, nothing bounds it."""
+    """What all between two balls may cover: nothing behind the near plane, all where one of them reaches over it."""
     if max(a[2], b[2]) + radius < near:
         return NOTHING
     if min(a[2], b[2]) - radius < near:
         return EVERYTHING
-    one, two = ball_window(a, radius, near), ball_window(b, radius, near)
+    one, two = ball_window(a, radius), ball_window(b, radius)
     return min(one[0], two[0]), max(one[1], two[1]), min(one[2], two[2]), max(one[3], two[3])
 
 

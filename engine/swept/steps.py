@@ -18,13 +18,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from plumbline.engine.contact.points import Contacts, joined, manifold_points
+from plumbline.engine.contact.points import Contacts, fit_impulses, joined, manifold_points
 from plumbline.engine.describe.errors import ManyImpacts
 from plumbline.engine.maths.types import Floats, Ints
 from plumbline.engine.memory import arena as at
 from plumbline.engine.memory.status import CONVEX_PENDING, DIVERGED, DONE, FULL
 from plumbline.engine.options import Options
-from plumbline.engine.steps.lengths import fit_impulses
 from plumbline.engine.swept.earliest import earliest_impact
 from plumbline.engine.swept.path import PATH_COLUMNS
 from plumbline.engine.swept.strike import place_bodies, strike

@@ -61,6 +61,7 @@ def build_worlds(vendor: Vendor, scene: Scene, settings: Settings, count: int) -
 
 
 def resolved(scene: Scene, settings: Settings) -> Settings:
+    """The settings with what suits the scene where they leave something open. Raises: SettingsError."""
     smooth = all(is_smooth(scene, joint, settings.substep) for joint in scene.joints)
     used = resolved_settings(settings, "xpbd" if rebounds(scene) else "mujoco", scene.effects, smooth)
     alone = used.options.get("rolling_impratio")

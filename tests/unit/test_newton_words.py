@@ -102,9 +102,7 @@ def test_options_of_the_solver_that_is_not_used_are_left_out_and_its_integrator_
         ("friction_turntable", "euler", 0),  # which is led
     ],
 )
-def test_a_scene_is_given_the_integrator_and_the_slip_correction_that_suit_it(
-    case: str, integrator: str, corrections: int
-) -> None:
+def test_a_scene_is_given_the_integrator_and_slip_correction_that_suit_it(case: str, integrator: str, corrections: int) -> None:
     scene = plugins.case(case).scene(plugins.case(case).at())
     used = resolved(scene, replace(ADAPTER.tracks["tuned"], dt=1 / 240))
     assert (used.integrator, used.options["noslip_iterations"]) == (integrator, corrections)

@@ -75,7 +75,7 @@ def resolved(scene: Scene, settings: Settings) -> Settings:
 def is_smooth(scene: Scene, joint: Joint, h: float) -> bool:
     """Do a joint's laws leave its motion as smooth as RK4 needs it: no stop, dry friction or drive, no spring beyond h [s]?"""
     if not isinstance(joint, Revolute | Prismatic):
-        return True
+        return not is_distance_spring(joint)  # whose force the adapter holds over a step
     if joint.limits is not None or joint.friction_loss or joint.drive is not None:
         return False
     spring, lightest = joint.spring, min(scene.body(name).mass for name in (joint.parent, joint.child) if name != WORLD)

@@ -131,3 +131,28 @@ def test_what_rests_trembles_over_mujoco_warp_and_not_over_mujoco_in_double_prec
         speeds[double] = float(np.abs(run(model, solver, 720, DT, graph=not double)[1][:, :3]).max())
     assert speeds[False] > 1e-3
     assert speeds[True] < 1e-2 * speeds[False]  # poses are single between its steps
+
+
+def dip(pressed: float, double: bool = False) -> float:
+    """How far [mm] the top of ten boxes comes down within half a second. Args: pressed: how far each is in the next [m]."""
+    builder, pitch = newton.ModelBuilder(gravity=(0.0, 0.0, -G)), 0.2 - pressed
+    config = newton.ModelBuilder.ShapeConfig(mu=0.5, density=0.0)
+    builder.add_shape_plane(plane=(0.0, 0.0, 1.0, 0.0), width=0.0, length=0.0, cfg=config)
+    for k in range(10):
+        body = builder.add_body(xform=at(z=0.1 + pitch * k), mass=1.0, inertia=round_inertia(1 / 150), lock_inertia=True)
+        builder.add_shape_box(body, hx=0.1, hy=0.1, hz=0.1, cfg=config)
+    model = builder.finalize(device="cpu")
+    solver, low = mujoco(model, nconmax=128, njmax=1024, use_mujoco_cpu=double), np.inf
+    states = [model.state(), model.state()]
+    for _ in range(60):
+        solver.step(states[0], states[1], model.control(), None, DT)
+        solver.step(states[1], states[0], model.control(), None, DT)
+        low = min(low, float(states[0].body_q.numpy()[-1][2]))
+    return 1e3 * (0.1 + 9 * pitch - low)
+
+
+def test_boxes_that_touch_fall_a_step_longer_than_the_next_below_over_mujoco_warp_alone() -> None:
+    each_a_step_later = 1e3 * 55 * G * DT**2
+    assert dip(1e-5) > each_a_step_later
+    assert dip(1e-5, double=True) < each_a_step_later / 4
+    assert dip(1e-4) < each_a_step_later / 4
